@@ -60,7 +60,6 @@ bool isSmallPng(const std::vector<unsigned char>& bytes, std::uint32_t max_px) {
   return number(16) <= max_px && number(20) <= max_px;
 }
 
-/// What the file says of the head: a view of it, or the shape of the face.
 std::string headToml(const HeadView& view) {
   std::vector<unsigned char> png;
   cv::imencode(".png", view.grey, png);
@@ -68,13 +67,6 @@ std::string headToml(const HeadView& view) {
          "\nrotation = " + exactText(view.pose.camera_from_head) +
          "\nposition_mm = " + exactText(std::span(&view.pose.position_mm.x, 3)) + "\nimage = \"" +
          encoded(png) + "\"\n";
-}
-std::string headToml(const FaceShape& shape) {
-  std::vector<double> numbers;
-  for (const glm::dvec3& point : shape) {
-    for (int k = 0; k < 3; ++k) numbers.push_back(point[k]);
-  }
-  return "\nface_mm = " + exactText(numbers) + "\n";
 }
 
 HeadView readHeadView(CalibrationFile& in) {
@@ -94,15 +86,6 @@ HeadView readHeadView(CalibrationFile& in) {
   return view;
 }
 
-FaceShape readFaceShape(CalibrationFile& in) {
-  const auto numbers = in.numbers("reference.face_mm", 3 * kShapePoints, -1e3, 1e3);
-  FaceShape shape;
-  for (std::size_t i = 0; i < numbers.size(); i += 3) {
-    shape.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
-  }
-  return shape;
-}
-
 }  // namespace
 
 std::string webcamCalibrationToml(const WebcamCalibration& calibration) {
@@ -120,14 +103,15 @@ std::string webcamCalibrationToml(const WebcamCalibration& calibration) {
          "\nscreen_m = " + exactText(calibration.screen_m) +
          "\n# Inverse covariance of the parameters.\ninformation = " +
          exactText(calibration.map.information) +
-         "\n\n# The head against which features are measured: a view of it, or the shape of its "
-         "face, mm.\n"
-         "[reference]\nfocal_px = " +
-         exactText(reference.camera.focal_px) +
+         "\n\n# The view of the head against which features are measured, and the tracker: "
+         "networks "
+         "or cascades.\n[reference]\ntracker = " +
+         (reference.by_networks ? "\"networks\"" : "\"cascades\"") +
+         "\nfocal_px = " + exactText(reference.camera.focal_px) +
          "\nprincipal_px = " + exactText(reference.camera.principal_px) +
          "\ndistortion = " + exactText(reference.camera.distortion) +
          "\nsize_px = " + exactText(reference.camera.size_px) + "\neyes_mm = " + exactText(eyes) +
-         std::visit([](const auto& head) { return headToml(head); }, reference.head);
+         headToml(reference.head);
 }
 
 WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
@@ -153,10 +137,13 @@ WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
     reference.eyes_mm[0][i] = eyes[at];
     reference.eyes_mm[1][i] = eyes[at + 3];
   }
-  if (in.has("reference.face_mm")) {
-    reference.head = readFaceShape(in);
-  } else {
-    reference.head = readHeadView(in);
+  reference.head = readHeadView(in);
+  if (in.has("reference.tracker")) {
+    const std::string tracker = in.text("reference.tracker");
+    reference.by_networks = tracker == "networks";
+    if (!reference.by_networks && tracker != "cascades") {
+      in.refuse("reference.tracker", "\"networks\" or \"cascades\"");
+    }
   }
   in.refuseUnknownKeys();
   return calibration;

@@ -32,14 +32,14 @@ CascadeTracker::CascadeTracker(const Lens& camera, const std::optional<WebcamRef
 
 std::optional<WebcamReference> CascadeTracker::reference() const {
   if (!head_.started()) return std::nullopt;
-  return WebcamReference{camera_, head_.firstView(), eyes_mm_};
+  return WebcamReference{camera_, head_.firstView(), eyes_mm_, false};
 }
 
 bool CascadeTracker::findHead(const cv::Mat& grey) {
   const auto face = finder_.find(grey);
   if (!face) return false;
   if (given_) {
-    head_.start(std::get<HeadView>(given_->head));
+    head_.start(given_->head);
     eyes_mm_ = given_->eyes_mm;
     given_.reset();
   }
@@ -53,7 +53,7 @@ bool CascadeTracker::findHead(const cv::Mat& grey) {
     return false;
   }
   failures_ = 0;
-  head_.start(grey, face->eyes_px);
+  head_.start(grey, frontal);
   for (std::size_t i = 0; i < 2; ++i) {
     eyes_mm_[i] = onHeadPlane_mm(camera_, head_.pose(), face->eyes_px[i], kIrisDepth_mm);
     offset_mm_[i] = glm::dvec2(0.0);

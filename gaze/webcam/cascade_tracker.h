@@ -15,7 +15,7 @@ namespace foci {
 
 class CascadeTracker {
  public:
-  /// @param reference  holds a view of a head (asserted); absent: the first face becomes it
+  /// @param reference  of this tracker; absent: the first face becomes it
   /// @throws InputError if the cascades are not installed
   CascadeTracker(const Lens& camera, const std::optional<WebcamReference>& reference);
 

@@ -46,6 +46,11 @@ glm::dvec2 project(const Pinhole& camera, const HeadPose& pose, const glm::dvec3
   return camera.focal_px * glm::dvec2(p) / p.z + camera.principal_px;
 }
 
+double angleBetween_rad(const glm::dmat3& a, const glm::dmat3& b) {
+  const glm::dmat3 turn = glm::transpose(a) * b;
+  return std::acos(std::clamp(0.5 * (turn[0][0] + turn[1][1] + turn[2][2] - 1.0), -1.0, 1.0));
+}
+
 std::optional<double> faceDepth_mm(double x, double y) {
   // Dimensions of an average face, chosen by eye. Below the eyes the profile without its nose runs
   // straight down. Above the eyes the forehead leans back.

@@ -42,6 +42,9 @@ std::optional<glm::dvec3> onFace_mm(const Pinhole& camera, const HeadPose& pose,
 glm::dvec3 onHeadPlane_mm(const Pinhole& camera, const HeadPose& pose, const glm::dvec2& point_px,
                           double z_mm);
 
+/// The angle of the turn from one rotation to another.
+double angleBetween_rad(const glm::dmat3& a, const glm::dmat3& b);
+
 struct HeadPoseFit {
   HeadPose pose;
   double inliers = 0.0;  ///< share of the points that agree with the pose

@@ -56,14 +56,9 @@ cv::Point cutOutCorner(const Pinhole& camera, const HeadPose& pose, const cv::Si
   return {cvRound(centre.x - 0.5 * size.width), cvRound(centre.y - 0.5 * size.height)};
 }
 
-double angleBetween(const glm::dmat3& a, const glm::dmat3& b) {
-  const glm::dmat3 turn = glm::transpose(a) * b;
-  return std::acos(std::clamp(0.5 * (turn[0][0] + turn[1][1] + turn[2][2] - 1.0), -1.0, 1.0));
-}
-
 /// How different a head looks in two poses. Above 1, another view is needed.
 double unlike(const HeadPose& a, const HeadPose& b) {
-  return std::hypot(angleBetween(a.camera_from_head, b.camera_from_head) / kTurn_rad,
+  return std::hypot(angleBetween_rad(a.camera_from_head, b.camera_from_head) / kTurn_rad,
                     std::log(a.position_mm.z / b.position_mm.z) / kScale);
 }
 
@@ -84,9 +79,9 @@ HeadPose HeadTracker::frontal(const Pinhole& camera, const std::array<glm::dvec2
   return pose;
 }
 
-void HeadTracker::start(const cv::Mat& grey, const std::array<glm::dvec2, 2>& irises_px) {
+void HeadTracker::start(const cv::Mat& grey, const HeadPose& pose) {
   views_.clear();
-  pose_ = frontal(camera_, irises_px);
+  pose_ = pose;
   keep(grey, pose_);
 }
 

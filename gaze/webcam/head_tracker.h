@@ -24,10 +24,8 @@ class HeadTracker {
  public:
   explicit HeadTracker(const Pinhole& camera) : camera_(camera) {}
 
-  /// Restarts from a frame, and assumes that the head faces the camera. The irises give its
-  /// roll.
-  /// @param irises_px  of the observer's left and right eye
-  void start(const cv::Mat& grey, const std::array<glm::dvec2, 2>& irises_px);
+  /// Restarts from a frame in which the head has this pose.
+  void start(const cv::Mat& grey, const HeadPose& pose);
 
   /// Restarts from a stored view. The first `follow` then needs a guess.
   void start(const HeadView& view);
@@ -43,7 +41,8 @@ class HeadTracker {
   const HeadView& firstView() const { return views_.front().view; }
   const HeadPose& pose() const { return pose_; }
 
-  /// The pose of a head that faces the camera and has its irises at these points.
+  /// The pose of a head that faces the camera and has its irises at these points, of the
+  /// observer's left and right eye.
   static HeadPose frontal(const Pinhole& camera, const std::array<glm::dvec2, 2>& irises_px);
 
  private:

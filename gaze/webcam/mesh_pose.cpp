@@ -6,7 +6,8 @@
 namespace foci {
 namespace {
 
-/// Pairs that mirror each other, at the image's left and right of a face that looks ahead.
+/// Pairs of points that neither expression nor gaze moves much. They mirror each other, at the
+/// image's left and right of a face that looks ahead.
 constexpr std::array<std::array<std::size_t, 2>, 16> kPairs{{{33, 263},
                                                              {133, 362},
                                                              {127, 356},
@@ -23,10 +24,6 @@ constexpr std::array<std::array<std::size_t, 2>, 16> kPairs{{{33, 263},
                                                              {122, 351},
                                                              {193, 417},
                                                              {198, 420}}};
-/// On the middle of the face, from the forehead down to the nose.
-constexpr std::array<std::size_t, 9> kMiddle{10, 151, 9, 8, 168, 6, 197, 195, 5};
-
-static_assert(2 * kPairs.size() + kMiddle.size() == kShapePoints);
 
 /// The line from the forehead (10) to the base of the nose (2) leans forwards by about this angle
 /// in a face that looks ahead. It differs between people by some 0.1 rad, which a calibration
@@ -42,18 +39,18 @@ glm::dvec3 middleOfCorners(const FaceMesh& mesh) {
   return 0.25 * sum;
 }
 
-}  // namespace
-
-std::vector<glm::dvec2> rigidPoints_px(const FaceMesh& mesh) {
-  std::vector<glm::dvec2> points;
-  for (const auto& pair : kPairs) {
-    for (const std::size_t each : pair) points.push_back(mesh.at_px(each));
-  }
-  for (const std::size_t each : kMiddle) points.push_back(mesh.at_px(each));
-  return points;
+/// A mesh sees the head along the ray to it. Turns that ray's frame to the camera's, by the
+/// shortest way.
+glm::dmat3 turnTowards(const glm::dvec2& aside) {
+  const glm::dvec3 z = glm::normalize(glm::dvec3(aside, 1.0));
+  const glm::dvec3 x =
+      glm::dvec3(1.0, 0.0, 0.0) - z.x / (1.0 + z.z) * glm::dvec3(z.x, z.y, z.z + 1.0);
+  return {x, glm::cross(z, x), z};
 }
 
-std::optional<MeshPose> poseOfMesh(const Pinhole& camera, const FaceMesh& mesh) {
+}  // namespace
+
+std::optional<HeadPose> poseOfMesh(const Pinhole& camera, const FaceMesh& mesh) {
   const auto& corner = FaceMesh::kEyeCorners;
   const glm::dvec3 eyes_px = 0.5 * (mesh.points[corner[2]] + mesh.points[corner[3]] -
                                     mesh.points[corner[0]] - mesh.points[corner[1]]);
@@ -66,24 +63,14 @@ std::optional<MeshPose> poseOfMesh(const Pinhole& camera, const FaceMesh& mesh) 
   down = glm::normalize(down - glm::dot(down, x) * x);
   const glm::dvec3 into = glm::cross(x, down);
   const glm::dvec3 y = std::cos(kProfile_rad) * down + std::sin(kProfile_rad) * into;
-  MeshPose out;
-  out.pose.camera_from_head = {x, y, glm::cross(x, y)};
-  if (!std::isfinite(glm::determinant(out.pose.camera_from_head))) return std::nullopt;
-
   const glm::dvec3 middle = middleOfCorners(mesh);
-  const auto inHead_mm = [&](std::size_t point) {
-    return glm::transpose(out.pose.camera_from_head) * (mesh.points[point] - middle) / px_per_mm +
-           glm::dvec3(0.0, 0.0, kCornerDepth_mm);
-  };
-  for (const auto& pair : kPairs) {
-    for (const std::size_t each : pair) out.shape.push_back(inHead_mm(each));
-  }
-  for (const std::size_t each : kMiddle) out.shape.push_back(inHead_mm(each));
-  const double distance_mm = camera.focal_px.x / px_per_mm;
   const glm::dvec2 aside = (glm::dvec2(middle) - camera.principal_px) / camera.focal_px;
-  out.pose.position_mm = distance_mm * glm::dvec3(aside, 1.0) -
-                         out.pose.camera_from_head * glm::dvec3(0.0, 0.0, kCornerDepth_mm);
-  return out;
+  HeadPose pose;
+  pose.camera_from_head = turnTowards(aside) * glm::dmat3(x, y, glm::cross(x, y));
+  if (!std::isfinite(glm::determinant(pose.camera_from_head))) return std::nullopt;
+  pose.position_mm = camera.focal_px.x / px_per_mm * glm::dvec3(aside, 1.0) -
+                     pose.camera_from_head * glm::dvec3(0.0, 0.0, kCornerDepth_mm);
+  return pose;
 }
 
 }  // namespace foci

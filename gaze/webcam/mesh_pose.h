@@ -1,25 +1,17 @@
-// The pose of a head from the points of its face that expression and gaze do not move: forehead,
-// temples, the bridge of the nose, cheekbones, corners of the eyes.
+// The pose of a head from one mesh of its face. It has no drift and needs no earlier frame, but it
+// errs by a degree or two, which differ with pose and expression.
 #pragma once
 
 #include <optional>
 
 #include "gaze/webcam/face_networks.h"
-#include "gaze/webcam/webcam_record.h"
+#include "gaze/webcam/head_pose.h"
 
 namespace foci {
 
-/// The rigid points on the image, in the order of `FaceShape`.
-std::vector<glm::dvec2> rigidPoints_px(const FaceMesh& mesh);
-
-/// The shape and the pose that one mesh shows, as if its depth were right: a weak-perspective view.
-/// The head's axes follow the symmetry of the face and its profile from forehead to nose.
-struct MeshPose {
-  FaceShape shape;
-  HeadPose pose;
-};
-
+/// As if the mesh's depth were right, seen along the ray to the head (weak perspective). The head's
+/// axes follow the symmetry of the face and its profile from forehead to nose.
 /// @return nothing if the mesh has no extent
-std::optional<MeshPose> poseOfMesh(const Pinhole& camera, const FaceMesh& mesh);
+std::optional<HeadPose> poseOfMesh(const Pinhole& camera, const FaceMesh& mesh);
 
 }  // namespace foci

@@ -1,7 +1,6 @@
 #include "gaze/webcam/network_tracker.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,14 +13,16 @@ namespace {
 
 // Chosen by hand. The tests on rendered faces bound them.
 constexpr double kMinMeshScore = 0.5;
-constexpr double kMaxTurn = 0.64;  // cosine of 50 degrees: beyond, an eye is hidden
-constexpr int kCountEvery = 30;    // frames, to count the faces while one is followed
-constexpr int kPatience = 12;      // frames without eyes, longer than a blink
-constexpr double kMinSize = 0.5;   // of another face, over the largest
-constexpr int kShapeFrames = 30;   // that the shape of a face is averaged over
-constexpr double kOpening = 0.22;  // of an eye whose usual opening is not known yet
-constexpr double kBlink = 0.72;    // mean opening of both eyes over the usual one: a blink
-constexpr double kHidden = 0.6;    // the same for one eye
+constexpr double kMaxTurn = 0.64;      // cosine of 50 degrees: beyond, an eye is hidden
+constexpr int kCountEvery = 30;        // frames, to count the faces while one is followed
+constexpr int kPatience = 12;          // frames without eyes, longer than a blink
+constexpr double kMinSize = 0.5;       // of another face, over the largest
+constexpr int kCompared = 100;         // frames, to compare the mesh's pose with the patches'
+constexpr double kMaxApart_rad = 0.2;  // between these two poses: the patches are not the face's
+constexpr int kMaxMisses = 5;        // then the head is another, or in another light
+constexpr double kOpening = 0.22;      // of an eye whose usual opening is not known yet
+constexpr double kBlink = 0.72;        // mean opening of both eyes over the usual one: a blink
+constexpr double kHidden = 0.6;        // the same for one eye
 constexpr double kRise = 0.2, kFall = 0.01;  // weight of a frame in the usual opening
 // Iris diameters between the two runs of the network: up to the first all irises were right, beyond
 // the second none.
@@ -59,22 +60,15 @@ bool isCovered(const cv::Mat& image, const EyeInImage& eye) {
 
 NetworkTracker::NetworkTracker(FaceNetworks networks, const Lens& camera,
                                const std::optional<WebcamReference>& reference)
-    : networks_(std::move(networks)), camera_(camera) {
+    : networks_(std::move(networks)), camera_(camera), head_(camera) {
   if (!reference) return;
-  assert(std::holds_alternative<FaceShape>(reference->head));
-  shape_ = std::get<FaceShape>(reference->head);
-  shape_frames_ = kShapeFrames;
+  head_.start(reference->head);
+  eyes_mm_ = reference->eyes_mm;
 }
 
 std::optional<WebcamReference> NetworkTracker::reference() const {
-  if (shape_.empty()) return std::nullopt;
-  WebcamReference reference{camera_, shape_, {}};
-  // The eyes at rest look ahead, midway between their corners, the first four points of the shape.
-  const auto rest = [&](std::size_t outer, std::size_t inner) {
-    return glm::dvec3(0.5 * glm::dvec2(shape_[outer] + shape_[inner]), kIrisDepth_mm);
-  };
-  reference.eyes_mm = {rest(1, 3), rest(0, 2)};
-  return reference;
+  if (!head_.started()) return std::nullopt;
+  return WebcamReference{camera_, head_.firstView(), eyes_mm_, true};
 }
 
 /// Whether this is a face whose eyes are in view.
@@ -85,7 +79,7 @@ bool NetworkTracker::accept(const cv::Mat& image, const FaceMesh& mesh) const {
     if (!inside(image, 0.5 * (left_px + right_px))) return false;
   }
   const auto seen = poseOfMesh(camera_, mesh);
-  return seen && seen->pose.camera_from_head[2].z > kMaxTurn;
+  return seen && seen->camera_from_head[2].z > kMaxTurn;
 }
 
 /// Whether both irises are seen.
@@ -123,7 +117,6 @@ void NetworkTracker::search(const cv::Mat& image) {
 
 void NetworkTracker::begin(FaceMesh mesh) {
   mesh_ = std::move(mesh);
-  new_face_ = true;
   showed_eyes_ = false;
   frames_without_eyes_ = 0;
 }
@@ -133,27 +126,52 @@ bool NetworkTracker::eyesAreGone() const {
   return frames_without_eyes_ >= (showed_eyes_ ? kPatience : 1);
 }
 
-/// Fits the pose of the face's shape to the mesh.
-bool NetworkTracker::updatePose() {
+/// Finds the head's patches, starting at the pose that the mesh shows. Without them the mesh's pose
+/// serves, corrected by its usual difference from theirs.
+bool NetworkTracker::updatePose(const cv::Mat& grey) {
   const auto seen = poseOfMesh(camera_, *mesh_);
   if (!seen) return false;
-  if (shape_frames_ < kShapeFrames) {
-    ++shape_frames_;
-    if (shape_.empty()) shape_ = seen->shape;
-    for (std::size_t i = 0; i < shape_.size(); ++i) {
-      shape_[i] += (seen->shape[i] - shape_[i]) / static_cast<double>(shape_frames_);
-    }
-  }
-  const std::vector<glm::dvec2> points_px = rigidPoints_px(*mesh_);
-  const std::vector<double> weights(points_px.size(), 1.0);
-  const auto fit = fitHeadPose(camera_, shape_, points_px, weights, new_face_ ? seen->pose : pose_);
-  new_face_ = !fit;
-  pose_ = fit ? fit->pose : seen->pose;
+  mesh_pose_ = *seen;
+  pose_.camera_from_head = mesh_pose_.camera_from_head * glm::transpose(mesh_turn_);
+  pose_.position_mm = mesh_pose_.position_mm - mesh_shift_mm_;
+  following_ = false;
+  if (!head_.started()) return true;
+  const auto fit = head_.follow(grey, pose_);
+  following_ =
+      fit && angleBetween_rad(fit->pose.camera_from_head, pose_.camera_from_head) < kMaxApart_rad;
+  if (following_) pose_ = fit->pose;
   return true;
 }
 
+/// Of a face with open eyes: a mesh's pose changes when the eyes shut. Compares both poses. Where
+/// there are no patches, or they were lost, this frame's serve from now on.
+void NetworkTracker::learnPose(const cv::Mat& grey) {
+  if (following_) {
+    misses_ = 0;
+    compared_ = std::min(compared_ + 1, kCompared);
+    const double weight = 1.0 / compared_;
+    const glm::dmat3 turn = glm::transpose(pose_.camera_from_head) * mesh_pose_.camera_from_head;
+    const glm::dmat3 mean = (1.0 - weight) * mesh_turn_ + weight * turn;
+    const glm::dvec3 x = glm::normalize(mean[0]);
+    const glm::dvec3 y = glm::normalize(mean[1] - glm::dot(mean[1], x) * x);
+    mesh_turn_ = {x, y, glm::cross(x, y)};
+    mesh_shift_mm_ += weight * (mesh_pose_.position_mm - pose_.position_mm - mesh_shift_mm_);
+    return;
+  }
+  if (head_.started() && ++misses_ < kMaxMisses) return;
+  misses_ = 0;
+  if (!head_.started()) {
+    // The eyes at rest look ahead, midway between their corners.
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto [left_px, right_px] = cornersOf(*mesh_, i);
+      eyes_mm_[i] = onHeadPlane_mm(camera_, pose_, 0.5 * (left_px + right_px), kIrisDepth_mm);
+    }
+  }
+  head_.start(grey, pose_);
+}
+
 /// Reads open eyes, and their offsets in the head's frame.
-void NetworkTracker::readEyes(const cv::Mat& image, WebcamRecord& record) {
+void NetworkTracker::readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamRecord& record) {
   std::array<EyeInImage, 2> eyes;
   double openings = 0.0;
   std::array<double, 2> opening{};  // over the usual one
@@ -172,7 +190,7 @@ void NetworkTracker::readEyes(const cv::Mat& image, WebcamRecord& record) {
   record.blink = (!sure[0] && !sure[1]) || (known && openings < kBlink);
   if (record.blink) return;
 
-  const auto reference = this->reference();
+  learnPose(grey);
   std::array<glm::dvec2, 2> offset_mm{};
   std::array<bool, 2> seen{};
   for (std::size_t i = 0; i < 2; ++i) {
@@ -181,7 +199,7 @@ void NetworkTracker::readEyes(const cv::Mat& image, WebcamRecord& record) {
     const double confidence = irisConfidence(eyes[i].disagreement);
     record.irises[i] = Iris{eyes[i].centre_px, eyes[i].radius_px, 0.0, confidence};
     record.confidence += 0.5 * confidence;
-    const glm::dvec3& rest = reference->eyes_mm[i];
+    const glm::dvec3& rest = eyes_mm_[i];
     offset_mm[i] = glm::dvec2(onHeadPlane_mm(camera_, pose_, eyes[i].centre_px, rest.z) - rest);
     double& usual = usual_opening_[i];
     const double weight = usual == 0.0 ? 1.0 : eyes[i].opening > usual ? kRise : kFall;
@@ -210,7 +228,9 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
   ++frames_since_search_;
   if (!mesh_ || eyesAreGone() || frames_since_search_ >= kCountEvery) search(image);
   record.faces = faces_;
-  if (!mesh_ || !updatePose()) {
+  cv::Mat grey;
+  if (mesh_) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  if (!mesh_ || !updatePose(grey)) {
     mesh_.reset();
     mean_offset_.forget();
     usual_opening_ = {};
@@ -223,7 +243,7 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
   record.head = pose_;
   record.eyes_px = project(camera_, pose_, glm::dvec3(0.0, 0.0, kIrisDepth_mm));
   record.ipd_px = kMeanIpd_mm * camera_.focal_px.x / pose_.position_mm.z;
-  readEyes(image, record);
+  readEyes(image, grey, record);
   showed_eyes_ = showed_eyes_ || (record.irises[0] && record.irises[1]);
   const bool gone = showed_eyes_ ? record.blink : true;
   frames_without_eyes_ = gone ? frames_without_eyes_ + 1 : 0;

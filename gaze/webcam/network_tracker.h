@@ -1,4 +1,5 @@
-// Follows a face by networks (face_networks.h).
+// Follows a face by networks (face_networks.h). The mesh tells where the face is and, roughly, its
+// pose. Patches of the face (head_tracker.h) measure its turns to a fraction of a degree.
 #pragma once
 
 #include "gaze/webcam/face_networks.h"
@@ -8,7 +9,7 @@ namespace foci {
 
 class NetworkTracker {
  public:
-  /// @param reference  holds a face's shape (asserted); absent: the first face becomes it
+  /// @param reference  of this tracker; absent: the first face becomes it
   NetworkTracker(FaceNetworks networks, const Lens& camera,
                  const std::optional<WebcamReference>& reference);
 
@@ -24,16 +25,23 @@ class NetworkTracker {
   bool eyesAreGone() const;
   bool accept(const cv::Mat& image, const FaceMesh& mesh) const;
   bool showsEyes(const cv::Mat& image, const FaceMesh& mesh);
-  bool updatePose();
-  void readEyes(const cv::Mat& image, WebcamRecord& record);
+  bool updatePose(const cv::Mat& grey);
+  void learnPose(const cv::Mat& grey);
+  void readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamRecord& record);
 
   FaceNetworks networks_;
   Lens camera_;
   std::optional<FaceMesh> mesh_;  // of the face that is followed
-  FaceShape shape_;               // empty before the first face
-  int shape_frames_ = 0;          // averaged in `shape_`
+  HeadTracker head_;
+  std::array<glm::dvec3, 2> eyes_mm_{};
   HeadPose pose_;
-  bool new_face_ = true;
+  HeadPose mesh_pose_;  // of this frame, as the mesh shows it
+  /// The pose by the mesh, seen from the pose by the patches: the mean of recent frames.
+  glm::dmat3 mesh_turn_{1.0};
+  glm::dvec3 mesh_shift_mm_{0.0};
+  int compared_ = 0;        // frames in that mean
+  bool following_ = false;  // the patches were found in this frame
+  int misses_ = 0;        // to find them, in a row
   int faces_ = 0;
   int frames_since_search_ = 0;
   bool showed_eyes_ = false;  // both at once

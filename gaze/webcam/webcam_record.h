@@ -4,7 +4,6 @@
 #include <array>
 #include <optional>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "gaze/webcam/head_tracker.h"
@@ -14,16 +13,13 @@
 
 namespace foci {
 
-/// The rigid points of a face (mesh_pose.h), head frame, mm.
-using FaceShape = std::vector<glm::dvec3>;
-inline constexpr std::size_t kShapePoints = 41;
-
-/// The reference of the features: the head that a tracker knows, and the place of the eyes in it.
-/// With the same reference, the features mean the same at another time.
+/// The reference of the features: a view of the head, and the place of the eyes in it. With the
+/// same reference and tracker, the features mean the same at another time.
 struct WebcamReference {
   Lens camera;
-  std::variant<HeadView, FaceShape> head;  ///< of the cascades' tracker, or of the networks'
-  std::array<glm::dvec3, 2> eyes_mm{};     ///< irises of eyes at rest, left and right, head frame
+  HeadView head;
+  std::array<glm::dvec3, 2> eyes_mm{};  ///< irises of eyes at rest, left and right, head frame
+  bool by_networks = false;             ///< the tracker that made it; else the cascades'
 };
 
 /// Why a frame has no gaze, or worse gaze. The first that applies, in this order.

@@ -15,7 +15,7 @@ WebcamTracker::WebcamTracker(const std::optional<Lens>& camera,
       by_networks_(networks_.has_value()) {
   if (!reference) return;
   if (!camera) camera_ = reference->camera;
-  if (by_networks_ == std::holds_alternative<FaceShape>(reference->head)) return;
+  if (by_networks_ == reference->by_networks) return;
   throw InputError("webcam",
                    by_networks_
                        ? "the map was calibrated without the networks that follow the face now: "

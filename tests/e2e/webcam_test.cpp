@@ -61,7 +61,8 @@ void film(const std::filesystem::path& file, const std::vector<faces::ShownTarge
   }
 }
 
-TEST(Webcam, CalibratedOnAFilmedObserverItFollowsTheGaze) {
+/// @param environment  chooses the tracker: without its models networks are not used
+void followTheGaze(const std::vector<std::string>& environment) {
   const TemporaryFolder folder;
   const auto shown = targets();
   film(folder.path() / "eyes.mp4", shown, 0);
@@ -69,7 +70,7 @@ TEST(Webcam, CalibratedOnAFilmedObserverItFollowsTheGaze) {
   folder.write("other.tsv", targetTable(shown, 9, shown.size()));
   ASSERT_EQ(runFoci({"calibrate", "screen", "--headless", "--size-px", "1920x1080", "--size-m",
                      "0.52x0.2925", "--distance-m", "0.55", "--out", "screen.toml"},
-                    folder.path())
+                    folder.path(), environment)
                 .exit_code,
             0);
 
@@ -77,7 +78,7 @@ TEST(Webcam, CalibratedOnAFilmedObserverItFollowsTheGaze) {
   const Outcome calibrated =
       runFoci({"calibrate", "gaze", "--source", "webcam:eyes.mp4", "--pairs", "fit.tsv",
                "--validate", "other.tsv", "--screen", "screen.toml", "--out", "map.toml", "--json"},
-              folder.path());
+              folder.path(), environment);
   ASSERT_EQ(calibrated.exit_code, 0) << calibrated.err;
   const Json summary = Json::parse(calibrated.out);
   EXPECT_EQ(summary["model"], "webcam");
@@ -91,7 +92,7 @@ TEST(Webcam, CalibratedOnAFilmedObserverItFollowsTheGaze) {
   const Outcome replayed = runFoci(
       {"replay", "study.toml", "--trace", "webcam:eyes.mp4", "--gaze-map", "map.toml", "--screen",
        "screen.toml", "--size", "64x36", "--seconds", "0:10", "--out", "out", "--json"},
-      folder.path());
+      folder.path(), environment);
   ASSERT_EQ(replayed.exit_code, 0) << replayed.err;
   const std::string inputs = Json::parse(folder.read("out/manifest.json"))["inputs"].dump();
   EXPECT_NE(inputs.find("eyes.mp4"), std::string::npos) << inputs;
@@ -116,6 +117,21 @@ TEST(Webcam, CalibratedOnAFilmedObserverItFollowsTheGaze) {
   }
   ASSERT_GT(count, 20.0);
   EXPECT_LE(sum_deg / count, 1.5);
+}
+
+TEST(Webcam, CalibratedOnAFilmedObserverItFollowsTheGazeByCascades) {
+  const TemporaryFolder without_models;
+  followTheGaze({"XDG_DATA_HOME=" + without_models.path().string()});
+}
+
+TEST(Webcam, CalibratedOnAFilmedObserverItFollowsTheGazeByNetworks) {
+  const TemporaryFolder folder;
+  const Outcome doctor = runFoci({"doctor", "--json"}, folder.path());
+  ASSERT_EQ(doctor.exit_code, 0) << doctor.err;
+  if (!Json::parse(doctor.out)["webcam_models"]["missing"].empty()) {
+    GTEST_SKIP() << "the webcam's networks are not installed: sh app/webcam_models.sh";
+  }
+  followTheGaze({});
 }
 
 TEST(Webcam, RefusesInOneLine) {

@@ -1,5 +1,6 @@
 """Calibrates a webcam in the window of `foci calibrate gaze`: the camera is a film, played in real time, of
-an observer who looks at the targets; then the same film is replayed through the map.
+an observer who looks at the targets; then the same film is replayed through the map. Both trackers do this, the
+networks where they are installed.
 
     calibrate_webcam_test.py FOCI OUT_FOLDER FOCI_FILM
 """
@@ -46,6 +47,16 @@ def main():
          str(LEAD_S), str(EACH_S)], cwd=out, check=True, capture_output=True, text=True).stdout
     with open(out + "/shown.tsv", "w") as file:
         file.write(shown)
+    doctor = subprocess.run([foci, "doctor", "--json"], check=True, capture_output=True).stdout
+    if json.loads(doctor)["webcam_models"]["missing"]:
+        print("without networks, which are not installed: sh app/webcam_models.sh")
+    else:
+        calibrate_and_replay(foci, emptied(out + "/networks"), out)
+    os.environ["XDG_DATA_HOME"] = out  # no models are there
+    calibrate_and_replay(foci, emptied(out + "/cascades"), out)
+
+
+def calibrate_and_replay(foci, out, films):
     subprocess.run(
         [foci, "calibrate", "screen", "--headless", "--size-px", "1280x720", "--size-m",
          f"{WIDTH_M}x{HEIGHT_M}", "--distance-m", str(DISTANCE_M), "--out", out + "/screen.toml"],
@@ -53,7 +64,7 @@ def main():
     observer = Observer()
     try:
         program = observer.start(
-            foci, "calibrate", "gaze", "--window", "--source", f"webcam:{out}/eyes.mp4", "--targets",
+            foci, "calibrate", "gaze", "--window", "--source", f"webcam:{films}/eyes.mp4", "--targets",
             TARGETS, "--seed", SEED, "--manual", "--screen", out + "/screen.toml", "--out",
             out + "/map.toml", "--json", speed=SPEED)
         os.set_blocking(program.stderr.fileno(), False)
@@ -86,10 +97,10 @@ def main():
     with open(out + "/study.toml", "w") as file:
         file.write('[scene]\nbuiltin = "plane"\n[output]\nsize_px = [64, 36]\nfps = 15\n')
     subprocess.run(
-        [foci, "replay", "study.toml", "--trace", "webcam:eyes.mp4", "--gaze-map", "map.toml",
+        [foci, "replay", "study.toml", "--trace", f"webcam:{films}/eyes.mp4", "--gaze-map", "map.toml",
          "--screen", "screen.toml", "--out", "out"], cwd=out, check=True, capture_output=True)
     errors = []
-    targets = table(out + "/shown.tsv")
+    targets = table(films + "/shown.tsv")
     for row in table(out + "/out/frames.tsv"):
         for target in targets:
             since = float(row["time_s"]) - float(target["onset_s"])

@@ -153,11 +153,11 @@ TEST(NetworkTracker, SeesNoFaceInNoise) {
 }
 
 TEST(WebcamTracker, RefusesTheReferenceOfTheOtherTracker) {
-  WebcamReference reference{.camera = kCamera, .head = FaceShape(kShapePoints)};
-  if (FaceNetworks::missing().empty()) {
-    EXPECT_NO_THROW(WebcamTracker(std::nullopt, reference));
-    reference.head = HeadView{};
-  }
+  WebcamReference reference;
+  reference.camera = kCamera;
+  reference.by_networks = FaceNetworks::missing().empty();
+  EXPECT_NO_THROW(WebcamTracker(std::nullopt, reference));
+  reference.by_networks = !reference.by_networks;
   EXPECT_THROW(WebcamTracker(std::nullopt, reference), InputError);
 }
 
