@@ -1,5 +1,6 @@
 #include "gaze/webcam/webcam_source.h"
 
+#include <chrono>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -9,6 +10,7 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMaxKept = 600;  // frames that wait for `takeFrames`
+constexpr std::chrono::milliseconds kMaxPoll{500};
 
 }  // namespace
 
@@ -41,6 +43,7 @@ WebcamSource::WebcamSource(const WebcamPlace& place, WebcamTracker tracker, Webc
 
 void WebcamSource::poll(double now_s, std::vector<GazeSample>& samples) {
   if (!first_s_) first_s_ = now_s;
+  const auto begin = std::chrono::steady_clock::now();
   cv::Mat image;
   while (!ended_) {
     // A file's frame is due at its time. A camera's frame is due when it has arrived.
@@ -52,6 +55,8 @@ void WebcamSource::poll(double now_s, std::vector<GazeSample>& samples) {
       ended_ = !camera;
       break;
     }
+    // A machine too slow for a file's rate loses frames, as it would of a camera.
+    if (!camera && std::chrono::steady_clock::now() - begin > kMaxPoll) continue;
     const WebcamFrame frame{camera ? now_s : due_s, tracker_.push(image)};
     problem_ = frame.record.problem;
     if (recent_.size() == kMaxKept) recent_.erase(recent_.begin());
