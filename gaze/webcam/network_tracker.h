@@ -41,7 +41,7 @@ class NetworkTracker {
   glm::dvec3 mesh_shift_mm_{0.0};
   int compared_ = 0;        // frames in that mean
   bool following_ = false;  // the patches were found in this frame
-  int misses_ = 0;        // to find them, in a row
+  int misses_ = 0;          // to find them, in a row
   int faces_ = 0;
   int frames_since_search_ = 0;
   bool showed_eyes_ = false;  // both at once
