@@ -84,7 +84,7 @@ def calibrate_and_replay(foci, out, films):
         time.sleep(0.2)
         observer.screenshot(out + "/result.png")
         observer.press("space")
-        assert program.wait(timeout=10) == 0
+        assert program.wait(timeout=60) == 0
         result = json.loads(program.stdout.read())
         print({k: result[k] for k in ("model", "accuracy_deg", "accuracy_max_deg", "grade", "lost")})
         assert result["model"] == "webcam" and result["validated"], result
