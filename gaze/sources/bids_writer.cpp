@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/bids_metadata.h"
 
