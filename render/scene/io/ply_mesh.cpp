@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/named_file.h"
