@@ -272,8 +272,8 @@ TEST(ReplayOfAria, FindsTheDistancesOfItsOwnScene) {
                                                  {157.603, 1.05}, {158.803, 0.87}, {160.003, 0.98}};
   for (const auto& [time_s, distance_m] : distances) {
     std::size_t nearest = 1;
-    const auto away_s = [&](std::size_t row) {
-      return std::abs(std::stod(fieldOf(sights, row, "time_s")) - time_s);
+    const auto away_s = [&, at_s = time_s](std::size_t row) {
+      return std::abs(std::stod(fieldOf(sights, row, "time_s")) - at_s);
     };
     for (std::size_t row = 1; row < sights.size(); ++row) {
       if (away_s(row) < away_s(nearest)) nearest = row;
