@@ -7,6 +7,7 @@
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
 #include "app/platform/output_files.h"
+#include "base/image_header.h"
 #include "base/input_error.h"
 #include "base/quiet_stderr.h"
 #include "calibration/calibration_file.h"
@@ -57,6 +58,7 @@ Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
     // OpenCV would wait for ever at a pipe.
     std::error_code ignored;
     const bool exists = std::filesystem::is_regular_file(file, ignored);
+    if (exists) requireImagePixels(file);
     const QuietStderr quiet;
     const cv::Mat image = exists ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
     if (image.empty()) throw InputError(file, "not an image that can be read");

@@ -5,12 +5,11 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "base/file_bytes.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -92,11 +91,10 @@ struct Folder {
 };
 
 std::string bytesIn(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
+  if (!fs::exists(file)) {
     throw InputError(file.string(), "is missing: expected all files of the recording's folder");
   }
-  return {std::istreambuf_iterator<char>(in), {}};
+  return bytesOfFile(file, std::numeric_limits<std::uintmax_t>::max());
 }
 
 template <class Number>

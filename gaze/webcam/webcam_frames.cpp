@@ -6,6 +6,7 @@
 #include <opencv2/videoio.hpp>
 #include <vector>
 
+#include "base/image_header.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/quiet_stderr.h"
@@ -61,7 +62,10 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source) {
 
 void refuseOtherThanFiles(const std::filesystem::path& video) {
   requireRegularFile(video);
-  if (!isPattern(video)) return;
+  if (!isPattern(video)) {
+    if (std::filesystem::exists(video)) requireImagePixels(video);
+    return;
+  }
   const std::string name = video.filename().string();
   const std::string before = name.substr(0, name.find('%'));
   const auto folder = video.has_parent_path() ? video.parent_path() : std::filesystem::path(".");
@@ -69,7 +73,9 @@ void refuseOtherThanFiles(const std::filesystem::path& video) {
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
     const auto& image = entry.path();
     if (image.extension() != video.extension()) continue;
-    if (image.filename().string().starts_with(before)) requireRegularFile(image);
+    if (!image.filename().string().starts_with(before)) continue;
+    requireRegularFile(image);
+    requireImagePixels(image);
   }
 }
 

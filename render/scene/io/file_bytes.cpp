@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cstring>
 #include <fstream>
+#include <functional>
 
 #include "base/input_error.h"
 #include "base/memory_budget.h"
@@ -86,27 +87,26 @@ std::vector<unsigned char> Gunzip::next(std::size_t count) {
   std::size_t done = 0;
   while (done < count && !ended_) {
     const auto part = static_cast<uInt>(std::min(count - done, kPart));
-    if (stream_->avail_in == 0) {
-      const std::span<const unsigned char> in = rest_.first(std::min(rest_.size(), kPart));
-      // zlib takes a pointer that is not const, and does not write through it.
-      stream_->next_in = const_cast<unsigned char*>(in.data());  // NOLINT
-      stream_->avail_in = static_cast<uInt>(in.size());
-      rest_ = rest_.subspan(in.size());
-    }
+    const std::size_t given = std::min(rest_.size(), kPart);
+    // zlib takes a pointer that is not const, and does not write through it.
+    stream_->next_in = const_cast<unsigned char*>(rest_.data());  // NOLINT
+    stream_->avail_in = static_cast<uInt>(given);
     stream_->next_out = bytes.data() + done;
     stream_->avail_out = part;
     const int result = inflate(stream_.get(), Z_NO_FLUSH);
     done += part - stream_->avail_out;
-    if (result == Z_STREAM_END) {
-      const bool more = isGzip({stream_->next_in, stream_->avail_in});
-      ended_ = !more || inflateReset(stream_.get()) != Z_OK;
+    rest_ = rest_.subspan(given - stream_->avail_in);
+    const auto is_padding = [&] { return std::ranges::all_of(rest_, std::logical_not()); };
+    if (result == Z_STREAM_END && (isGzip(rest_) || is_padding())) {
+      ended_ = !isGzip(rest_) || inflateReset(stream_.get()) != Z_OK;
       continue;
     }
-    const bool at_end = result == Z_BUF_ERROR || (result == Z_OK && stream_->avail_out == part);
-    if (result == Z_OK && (!at_end || !rest_.empty())) continue;
+    if (result == Z_OK) continue;
     if (done > 0) break;  // what comes before the damage; the next call finds the damage again
-    throw InputError(name_, at_end ? "is damaged: the file ends before its gzip stream does"
-                                   : "is damaged: its gzip stream is broken");
+    throw InputError(name_,
+                     result == Z_BUF_ERROR ? "is damaged: the file ends before its gzip stream does"
+                     : result == Z_STREAM_END ? "is damaged: other bytes follow its gzip stream"
+                                              : "is damaged: its gzip stream is broken");
   }
   bytes.resize(done);
   return bytes;

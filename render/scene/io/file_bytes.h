@@ -73,7 +73,7 @@ class Gunzip {
 
  private:
   std::string name_;
-  std::span<const unsigned char> rest_;  // not given to zlib yet
+  std::span<const unsigned char> rest_;  // not unpacked yet
   std::unique_ptr<z_stream_s> stream_;
   bool ended_ = false;
 };

@@ -10,10 +10,10 @@
 #include <system_error>
 #include <utility>
 
+#include "base/image_header.h"
 #include "base/input_error.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
-#include "render/scene/io/image_header.h"
 #include "render/scene/io/named_file.h"
 
 namespace foci {
@@ -78,16 +78,13 @@ cv::Mat MeshTextures::decoded(std::span<const unsigned char> bytes) {
   budget_.addInput(bytes.size());
   const auto size = statedImageSize(bytes);
   if (size) {
-    if (size->columns > kMaxTexturePixels || size->rows > kMaxTexturePixels ||
-        size->columns * size->rows > kMaxTexturePixels) {
-      return {};
-    }
+    if (size->columns == 0 || size->rows > kMaxImagePixels / size->columns) return {};
     budget_.take(size->columns * size->rows, kPixelBytes, "its textures");
   }
   const cv::Mat header(1, static_cast<int>(bytes.size()), CV_8U,
                        const_cast<unsigned char*>(bytes.data()));
   cv::Mat image = cv::imdecode(header, cv::IMREAD_UNCHANGED);
-  if (!size && image.total() <= kMaxTexturePixels) {
+  if (!size && image.total() <= kMaxImagePixels) {
     budget_.take(image.total(), kPixelBytes, "its textures");
   }
   return image;
@@ -103,7 +100,7 @@ cv::Mat MeshTextures::image(const ImageSource& source, const char* instead) {
   } catch (const cv::Exception&) {
     image.release();
   }
-  const bool usable = !image.empty() && image.total() <= kMaxTexturePixels &&
+  const bool usable = !image.empty() && image.total() <= kMaxImagePixels &&
                       (image.depth() == CV_8U || image.depth() == CV_16U) && image.channels() != 2;
   if (usable) return image;
   std::string name(plainName(source.name));

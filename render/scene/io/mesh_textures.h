@@ -16,8 +16,6 @@
 
 namespace foci {
 
-inline constexpr std::uint64_t kMaxTexturePixels = 1 << 26;
-
 struct ImageSource {
   std::string name;                             ///< as the mesh names it
   std::optional<std::filesystem::path> file{};  ///< absent: there is none
@@ -31,7 +29,7 @@ class MeshTextures {
   /// @param mesh  for messages and the budget of memory
   explicit MeshTextures(const std::filesystem::path& mesh) : budget_(mesh) {}
 
-  /// Null, with a remark, if it cannot be read or has more than kMaxTexturePixels.
+  /// Null, with a remark, if it cannot be read or has more than kMaxImagePixels.
   /// @throws InputError if the file is a pipe or a device, or if all textures take too much memory
   std::shared_ptr<const MeshTexture> read(const ImageSource& source);
 

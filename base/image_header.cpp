@@ -1,8 +1,13 @@
-// PNG (W3C, 2003), JPEG (ITU-T T.81, Annex B), BMP (BITMAPINFOHEADER), WebP (RFC 9649).
-#include "render/scene/io/image_header.h"
+// PNG (W3C, 2003), JPEG (ITU-T T.81, Annex B), BMP (BITMAPINFOHEADER), WebP (RFC 9649), TIFF 6.0.
+#include "base/image_header.h"
 
+#include <algorithm>
 #include <cstdlib>
+#include <string>
 #include <string_view>
+
+#include "base/input_error.h"
+#include "base/mapped_file.h"
 
 namespace foci {
 namespace {
@@ -62,6 +67,25 @@ std::optional<ImageSize> webpSize(Bytes bytes) {
   return ImageSize{(bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1};
 }
 
+/// Of the first directory.
+std::optional<ImageSize> tiffSize(Bytes bytes) {
+  constexpr std::uint64_t kColumns = 256, kRows = 257, kShort = 3;
+  const auto number = [&](std::size_t at, std::size_t count) {
+    return bytes[0] == 'I' ? little(bytes, at, count) : big(bytes, at, count);
+  };
+  if (bytes.size() < 8) return std::nullopt;
+  const std::size_t begin = number(4, 4);
+  if (begin + 2 > bytes.size()) return std::nullopt;
+  ImageSize size;
+  const std::size_t end = begin + 2 + 12 * number(begin, 2);
+  for (std::size_t at = begin + 2; at + 12 <= std::min(end, bytes.size()); at += 12) {
+    const std::uint64_t value = number(at + 8, number(at + 2, 2) == kShort ? 2 : 4);
+    if (number(at, 2) == kColumns) size.columns = value;
+    if (number(at, 2) == kRows) size.rows = value;
+  }
+  return size.columns > 0 && size.rows > 0 ? std::optional(size) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<ImageSize> statedImageSize(Bytes bytes) {
@@ -72,7 +96,17 @@ std::optional<ImageSize> statedImageSize(Bytes bytes) {
   if (hasText(bytes, 0, "\xff\xd8")) return jpegSize(bytes);
   if (hasText(bytes, 0, "BM")) return bmpSize(bytes);
   if (hasText(bytes, 0, "RIFF") && hasText(bytes, 8, "WEBP")) return webpSize(bytes);
+  if (hasText(bytes, 0, "II*") || hasText(bytes, 0, {"MM\0*", 4})) return tiffSize(bytes);
   return std::nullopt;
+}
+
+void requireImagePixels(const std::filesystem::path& file) {
+  const MappedFile mapped(file);
+  const auto size = statedImageSize(mapped.bytes());
+  if (!size || size->columns == 0 || size->rows <= kMaxImagePixels / size->columns) return;
+  throw InputError(file.string(), std::to_string(size->columns) + "x" + std::to_string(size->rows) +
+                                      " px: expected at most " + std::to_string(kMaxImagePixels) +
+                                      " px in all");
 }
 
 }  // namespace foci
