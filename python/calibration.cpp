@@ -149,9 +149,12 @@ void bindCalibration(py::module_& module) {
       .def(
           "save",
           [](const GazeMap& map, const std::filesystem::path& path) {
+            requireRegularFile(path);
             replaceFile(path, gazeMapToml(map));
           },
-          py::arg("path"), "Write the map as TOML, with every digit.")
+          py::arg("path"),
+          "Write the map as TOML, with every digit. Replaces a file, but no folder, pipe or "
+          "device.")
       .def("apply", &applyToRecording, py::arg("recording"),
            "The recording with mapped points: a new Recording.")
       .def("apply", &apply, py::arg("points"), py::arg("units") = "px",

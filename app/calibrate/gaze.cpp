@@ -7,7 +7,9 @@
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
 #include "app/platform/output_files.h"
+#include "app/platform/warnings.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/gaze_map_file.h"
 #include "calibration/gaze_map/gaze_report.h"
@@ -17,7 +19,7 @@
 namespace foci {
 namespace {
 
-GazeFrame frameOf(const CalibrateGazeOptions& options) {
+GazeFrame frameOf(const CalibrateGazeOptions& options, Warnings& warnings) {
   const auto units = mapUnitsNamed(options.units);
   if (!units) {
     throw InputError("--units", options.units + ": expected deg, norm or direction");
@@ -26,8 +28,9 @@ GazeFrame frameOf(const CalibrateGazeOptions& options) {
   if (!options.screen.empty()) {
     frame.screen = readScreen(options.screen).screen;
   } else if (frame.units == MapUnits::norm) {
-    std::fprintf(stderr, "no --screen: degrees assume a screen of %.2f x %.2f m at %.2f m\n",
-                 frame.screen.size_m.x, frame.screen.size_m.y, frame.screen.distance_m);
+    const Screen& screen = frame.screen;
+    warnings.add("no --screen: degrees assume a screen of " + decimal(screen.size_m.x, 2) + " x " +
+                 decimal(screen.size_m.y, 2) + " m at " + decimal(screen.distance_m, 2) + " m");
   }
   return frame;
 }
@@ -81,15 +84,13 @@ std::optional<Lens> cameraOf(const CalibrateGazeOptions& options) {
 
 /// Fits a webcam's map to a video of the observer's face and a table of the targets shown.
 GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& place,
-                     const Screen& screen, WebcamCalibration& calibration) {
+                     const Screen& screen, WebcamCalibration& calibration, Warnings& warnings) {
   const auto targets = readShownTargets(options.pairs);
   std::vector<ShownTarget> others;
   if (!options.validate.empty()) others = readShownTargets(options.validate);
   WebcamTracker tracker(cameraOf(options));
   const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
-  if (const std::string remark = tracker.remark(); !remark.empty()) {
-    std::fprintf(stderr, "foci: %s\n", remark.c_str());
-  }
+  if (const std::string remark = tracker.remark(); !remark.empty()) warnings.add(remark);
   const auto reference = tracker.reference();
   if (!reference) throw InputError(nameOf(place), "no frame shows a face");
   calibration.reference = *reference;
@@ -141,13 +142,14 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
     correctDriftOf(options, files);
     return;
   }
-  const GazeFrame frame = frameOf(options);
+  Warnings warnings;
+  const GazeFrame frame = frameOf(options, warnings);
   GazeReport report;
   const auto webcam = webcamPlaceOf(options.source);
   WebcamCalibration calibration;
   if (webcam && !options.pairs.empty()) {
     if (options.units != "deg") throw InputError("--units", "a webcam needs deg");
-    report = fromVideo(options, *webcam, frame.screen, calibration);
+    report = fromVideo(options, *webcam, frame.screen, calibration, warnings);
   } else if (options.pairs.empty()) {
     if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");
     refuseWindowOptions(options);
@@ -162,6 +164,7 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
     report = fromFiles(options, frame, model);
   }
 
+  report.warnings = warnings.all();
   const std::filesystem::path page = reportOf(options);
   if (!page.empty()) files.write(page, gazeReportHtml(report));
   if (!options.out.empty()) {

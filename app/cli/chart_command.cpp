@@ -21,6 +21,7 @@
 #include "app/platform/progress.h"
 #include "app/platform/warnings.h"
 #include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -122,7 +123,7 @@ void chartAndReport(const ChartOptions& options, const Plan& plan, const std::st
     std::puts(chartJson(out, seconds, result).c_str());
   } else {
     std::printf("%zu cells measured, %zu already complete; %.0f s; page: %s\n", result.computed,
-                result.kept, seconds, (out / (name + ".html")).c_str());
+                result.kept, seconds, visible((out / (name + ".html")).string()).c_str());
   }
 }
 

@@ -9,6 +9,7 @@
 #include "app/platform/output_files.h"
 #include "app/replay/compare.h"
 #include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -33,7 +34,7 @@ void runCompare(const CompareOptions& options) {
   compareRuns(folders, options.out,
               OutputGuard(compareFiles(options.out), inputs, options.overwrite));
   std::printf("%zu runs: %s\n", folders.size(),
-              (std::filesystem::path(options.out) / "compare.html").c_str());
+              visible((std::filesystem::path(options.out) / "compare.html").string()).c_str());
 }
 
 }  // namespace

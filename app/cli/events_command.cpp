@@ -148,7 +148,8 @@ void detectEvents(const EventsOptions& options) {
     std::puts(jsonText(summary).c_str());
     return;
   }
-  std::printf("%s, %g Hz, %zu samples", trace.format.c_str(), trace.rate_Hz, states.size());
+  std::printf("%s, %g Hz, %zu samples", visible(trace.format).c_str(), trace.rate_Hz,
+              states.size());
   if (options.online) std::printf(", online with a delay of %g ms", 1e3 * delay_s);
   std::printf("\n%s", text.c_str());
 }

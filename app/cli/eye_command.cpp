@@ -55,7 +55,7 @@ void runEye(const EyeOptions& options) {
         eye.name.c_str(), 1000.0 * eye.pupil.diameter_m, eye.focus_D,
         eye.depth.complete ? "" : "more than ", eye.depth.total_D(), eye.acuity.logMAR());
   }
-  std::printf("%s\n", (std::filesystem::path(options.out) / "eye.html").c_str());
+  std::printf("%s\n", visible((std::filesystem::path(options.out) / "eye.html").string()).c_str());
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "app/study/scene_study.h"
 #include "app/study/scene_text.h"
 #include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -53,7 +54,7 @@ void runInfo(const InfoOptions& options) {
     return;
   }
   std::fputs(sceneText(facts, framing).c_str(), stdout);
-  if (!options.thumbnail.empty()) std::printf("thumbnail %s\n", options.thumbnail.c_str());
+  if (!options.thumbnail.empty()) std::printf("thumbnail %s\n", visible(options.thumbnail).c_str());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "app/cli/manual.h"
 #include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -27,7 +28,8 @@ void runManual(const CLI::App& app, const ManualOptions& options) {
   OutputFiles files(OutputGuard(outputs, {}, options.overwrite));
   for (const auto& [name, text] : manual) files.write(out / name, text);
   files.commit();
-  std::printf("%zu files: man %s\n", manual.size(), (out / "man1/foci.1").c_str());
+  std::printf("%zu files: man %s\n", manual.size(),
+              visible((out / "man1/foci.1").string()).c_str());
 }
 
 }  // namespace

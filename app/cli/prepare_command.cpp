@@ -127,8 +127,8 @@ void runPrepare(const PrepareOptions& options) {
   if (summary.gaussians > 0) {
     std::printf("%s, a tree of %s; %.1f s\nscene: %s\nreport: %s\n",
                 counted(summary.gaussians, "Gaussian").c_str(),
-                counted(summary.nodes, "node").c_str(), summary.seconds, summary.out.c_str(),
-                summary.report.c_str());
+                counted(summary.nodes, "node").c_str(), summary.seconds,
+                visible(summary.out.string()).c_str(), visible(summary.report.string()).c_str());
     return;
   }
   const Normalisation& n = summary.normalisation.front();
@@ -138,7 +138,8 @@ void runPrepare(const PrepareOptions& options) {
       "the smooth parts)\n%s\nscene: %s\nreport: %s\n",
       summary.surfels, summary.area_m2, 1000.0 * summary.spacing_m, summary.seconds,
       100.0 * n.within_2, 100.0 * n.within_10, 100.0 * n.smooth_within_10,
-      fidelityText(summary).c_str(), summary.out.c_str(), summary.report.c_str());
+      fidelityText(summary).c_str(), visible(summary.out.string()).c_str(),
+      visible(summary.report.string()).c_str());
 }
 
 }  // namespace

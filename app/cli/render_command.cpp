@@ -75,8 +75,8 @@ void runRender(const RenderOptions& options) {
   const std::string surface = request.focus_D ? ""
                               : surface_m ? ", on the surface " + decimal(*surface_m, 3) + " m away"
                                           : ", at rest: no surface under the gaze";
-  std::printf("%s: focus %.3f D%s; pupil %.2f mm; %.1f ms\n", options.out.c_str(), summary.focus_D,
-              surface.c_str(), summary.pupil_mm, summary.stats.ms);
+  std::printf("%s: focus %.3f D%s; pupil %.2f mm; %.1f ms\n", visible(options.out).c_str(),
+              summary.focus_D, surface.c_str(), summary.pupil_mm, summary.stats.ms);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -21,6 +20,7 @@
 #include "app/replay/replay.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/trace_reader.h"
 
@@ -43,17 +43,6 @@ std::size_t frameOf(const std::string& option, std::string_view text, std::size_
                      "expected FIRST:END, e.g. 0:900; the part ends before frame END");
   }
   return static_cast<std::size_t>(*number);
-}
-
-/// A person's name as a part of a folder's name.
-std::string folderWord(std::string name, std::size_t number) {
-  bool changed = false;
-  for (char& c : name) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_';
-    changed |= !plain;
-    if (!plain) c = '_';
-  }
-  return changed ? name + "-" + std::to_string(number + 1) : name;
 }
 
 FrameSpan spanOf(const std::string& text) {
@@ -127,10 +116,11 @@ std::vector<BatchRecording> recordingsOf(const ReplayOptions& options, const Stu
       Study own = study;
       own.gaze.columns.rows = {person};
       recordings.push_back({.trace = options.traces[i] + ", " + person.second,
-                            .name = names[i] + "-" + folderWord(person.second, recordings.size()),
+                            .name = names[i] + "-" + person.second,
                             .study = std::move(own)});
     }
   }
+  nameSafely(recordings);
   return recordings;
 }
 
@@ -159,7 +149,8 @@ void runBatch(const ReplayOptions& options, StudyAsked&& asked,
   }
   const std::filesystem::path out = options.out;
   if (!options.json) {
-    std::printf("%zu recordings: %s\n", results.size(), (out / "index.html").c_str());
+    std::printf("%zu recordings: %s\n", results.size(),
+                visible((out / "index.html").string()).c_str());
   }
   if (!failed.empty()) {
     throw InputError("without a run", failed + " (" + (out / "recordings.tsv").string() + ")");

@@ -78,7 +78,8 @@ void runReproduce(const ReproduceOptions& options) {
                 summary.quick || one.reached() ? "" : ": not reached");
   }
   if (summary.quick) std::puts("A quick run: its figures scatter too much to be judged.");
-  std::printf("%.0f s; page: %s\n", summary.seconds, (summary.out / "reproduce.html").c_str());
+  std::printf("%.0f s; page: %s\n", summary.seconds,
+              visible((summary.out / "reproduce.html").string()).c_str());
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ std::string summaryText(const RunSummary& summary) {
     text += "; the other frames reuse the previous one; " + decimal(summary.render_ms_median, 1) +
             " ms over all frames (median; 95 %: " + decimal(summary.render_ms_p95, 1) + " ms)";
   }
-  return text + "\nreport: " + (summary.out / "report.html").string();
+  return text + "\nreport: " + visible((summary.out / "report.html").string());
 }
 
 }  // namespace foci

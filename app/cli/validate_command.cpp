@@ -28,7 +28,7 @@ void runValidate(const ValidateOptions& options) {
     if (!one.inBounds() && !first) first = &one;
   }
   std::printf("%zu of %zu figures within their bounds: %s\n", within, figures.size(),
-              validationFiles(options.out).back().c_str());
+              visible(validationFiles(options.out).back().string()).c_str());
   if (!first) return;
   throw std::runtime_error(
       first->group + ", " + first->what + ": " + decimal(first->value, first->digits) + " where " +

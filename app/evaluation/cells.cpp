@@ -39,12 +39,19 @@ auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
   const auto text = contentOf(file);
   if (!text) return std::nullopt;
   try {
-    const Json json = Json::parse(*text);
-    if (json.at("key") != key) return std::nullopt;
+    Json json = Json::parse(*text);
+    const auto sha256 = json.at("own_sha256").get<std::string>();
+    json.erase("own_sha256");
+    if (json.at("key") != key || hashOf(json.dump()) != sha256) return std::nullopt;
     return parse(json);
   } catch (const Json::exception&) {
     return std::nullopt;  // another program wrote the file, or it is not complete
   }
+}
+
+std::string textOf(Json json) {
+  json["own_sha256"] = hashOf(json.dump());
+  return json.dump(1) + "\n";
 }
 
 }  // namespace
@@ -90,7 +97,7 @@ void ChartCells::store(const std::string& name, const std::string& key,
   if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
   if (cell.expected_error) json["expected_error"] = *cell.expected_error;
   for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
-  writeOutput(folder_ / (name + ".json"), json.dump(1) + "\n", guard_);
+  writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 
 std::optional<double> ChartCells::loadScore(const std::string& name, const std::string& key) const {
@@ -100,7 +107,7 @@ std::optional<double> ChartCells::loadScore(const std::string& name, const std::
 
 void ChartCells::storeScore(const std::string& name, const std::string& key, double score) const {
   const Json json = {{"key", key_ + key}, {"score", score}};
-  writeOutput(folder_ / (name + ".json"), json.dump(1) + "\n", guard_);
+  writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 
 std::optional<ChartReference> ChartCells::loadReferenceFigures(const std::string& name,
@@ -140,7 +147,7 @@ void ChartCells::storeReference(const std::string& name, const std::string& key,
                      {"width_px", frame.size_px.x},
                      {"height_px", frame.size_px.y},
                      {"sha256", hashOf(bytes)}};
-  writeOutput(folder_ / (name + ".json"), json.dump(1) + "\n", guard_);
+  writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 
 }  // namespace foci

@@ -119,6 +119,14 @@ std::vector<std::string> folderNames(const std::vector<std::string>& traces) {
   return numbered(named(1, false));
 }
 
+void nameSafely(std::vector<BatchRecording>& recordings) {
+  std::vector<std::string> names;
+  names.reserve(recordings.size());
+  for (const BatchRecording& each : recordings) names.push_back(safeName(each.name));
+  names = numbered(std::move(names));
+  for (std::size_t i = 0; i < names.size(); ++i) recordings[i].name = std::move(names[i]);
+}
+
 std::vector<std::filesystem::path> batchFiles(const std::vector<BatchRecording>& recordings,
                                               const std::filesystem::path& out) {
   std::vector<std::filesystem::path> files = {out / kPage, out / kTable};

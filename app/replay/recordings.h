@@ -24,6 +24,9 @@ struct BatchRecording {
 /// @throws InputError if a recording is given twice
 std::vector<std::string> folderNames(const std::vector<std::string>& traces);
 
+/// The same for the names that the recordings have: each becomes a folder of its own.
+void nameSafely(std::vector<BatchRecording>& recordings);
+
 /// The files that `replayAll` writes.
 std::vector<std::filesystem::path> batchFiles(const std::vector<BatchRecording>& recordings,
                                               const std::filesystem::path& out);

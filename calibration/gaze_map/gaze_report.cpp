@@ -121,6 +121,10 @@ std::string gazeReportJson(const GazeReport& report) {
     json += (i ? ", {" : "{") + std::string("\"target\": ") + exactText(t.target) + ", " +
             measuresJson(t.measures, std::nullopt) + "}";
   }
+  json += "], \"warnings\": [";
+  for (const std::string& text : report.warnings) {
+    json += (&text == report.warnings.data() ? "" : ", ") + quotedText(text);
+  }
   return json + "]}\n";
 }
 
@@ -164,11 +168,12 @@ std::string gazeReportHtml(const GazeReport& report) {
       "svg text{font-size:13px;fill:#444}.target{fill:none;stroke:#222;stroke-width:2}"
       ".gaze{fill:#b22}.spread{fill:#b22;fill-opacity:.15}.good{color:#175}.fair{color:#960}"
       ".poor{color:#b22}</style>\n";
-  html += "<h1>Gaze calibration: <span class=\"" + grade + "\">" + grade + "</span></h1>\n<p>";
+  html += "<h1>Gaze calibration: <span class=\"" + grade + "\">" + grade + "</span></h1>\n";
+  for (const std::string& text : report.warnings) html += "<p><b>" + text + "</b></p>\n";
   html +=
       std::string(report.validated
-                      ? "Validated on other targets"
-                      : "Measured on the samples of the fit: validate on other targets") +
+                      ? "<p>Validated on other targets"
+                      : "<p>Measured on the samples of the fit: validate on other targets") +
       ". Mean accuracy " + shown(all.accuracy_deg) + "°, worst target " +
       shown(report.accuracy.worst_deg) + "°; precision " + shown(all.rms_s2s_deg) + "° RMS-S2S, " +
       shown(all.sd_deg) + "° SD; data loss " + shown(100.0 * lossShare(all), "%.1f") + " % of " +

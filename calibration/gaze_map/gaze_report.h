@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "calibration/gaze_map/accuracy.h"
 #include "calibration/gaze_map/fit_gaze_map.h"
@@ -13,12 +14,13 @@ struct GazeReport {
   GazeAccuracy accuracy;
   std::string model{};     ///< "webcam"; empty: fit.map.model
   bool validated = false;  ///< accuracy was measured on samples that the fit did not see
+  std::vector<std::string> warnings{};  ///< printed already; without < and &
 };
 
 /// One JSON object with the keys model, samples, accuracy_deg, accuracy_max_deg,
 /// precision_rms_s2s_deg, precision_sd_deg, lost (share of data loss), grade, validated,
-/// uncertainty_deg, within_uncertainty, slipped_targets, fit_ms and targets. A value that could not
-/// be measured is null.
+/// uncertainty_deg, within_uncertainty, slipped_targets, fit_ms, targets and warnings. A value that
+/// could not be measured is null.
 std::string gazeReportJson(const GazeReport& report);
 
 /// A few lines and a table of the targets.

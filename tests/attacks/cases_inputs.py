@@ -231,9 +231,9 @@ def altered_part(box, what):
 
 @attack("scan_4px_reference.rgba", "scan_4px_reference.json", "scan_4px_pinhole.json")
 def altered_cell(box, name):
-    command = ("chart", "--quick", "--scan", "scene.ply", "--size", "16", "--method", "pinhole", "--eye", "0,0,0.5",
-               "--look-at", "0,0.5,-1", "--out", "out")
-    box.write("scene.ply", square_ply(48))
+    command = ("chart", "--quick", "--scan", "scene.ply", "--size", "16", "--method", "pinhole", "--eye", "0,0,1.5",
+               "--look-at", "0,0.2,-1", "--out", "out")
+    box.write("scene.ply", square_ply(60))
     box.run(*command).done()
     file = box / "out/cells" / name
     status, content = file.stat(), bytearray(file.read_bytes())

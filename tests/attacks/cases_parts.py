@@ -1,9 +1,11 @@
 """A decorative part never costs the result; pipes, devices and odd folders neither hang nor lose anything."""
 
+import html
+import json
 import os
 import stat
 
-from box import Skip, attack, trace
+from box import STUDY, Skip, attack, square_ply, trace
 from cases_outputs import unshared
 
 GNUPLOTS = {"exits": "exit 3", "is killed": "kill -9 $$", "draws nothing": "cat >/dev/null",
@@ -119,3 +121,46 @@ def folder_named(box, name):
     box.write("b.tsv", trace())
     box.run("replay", "study.toml", "--trace", "trace.tsv", "../b.tsv", "--out", "batch", cwd=cwd).done()
     box.run("compare", "joined", "whole", "--out", "c", cwd=cwd).done()
+
+
+# What makes a run's results other than the user may expect: changes of the study, and files.
+DOUBTS = {
+    "gaze meets nothing": ("look_at_m = [0, 0, -1]", "look_at_m = [0, 0, 1]", {}),
+    "dark points": ("", "", {"scene.ply": square_ply().replace(" 128 90\n", " 0 1\n").replace(" 255 ", " 1 ")}),
+    "copies of rows": ("", "", {"trace.tsv": trace() + trace().split("px\n", 1)[1]}),
+    "gaze off the screen": ("", "", {"trace.tsv": trace().replace("\t320\t", "\t900\t")}),
+    "gaze that is lost": ("", "", {"trace.tsv": trace(60) + "".join(f"{0.6 + i / 100:.2f}\tnan\tnan\n" for i in range(90))}),
+    "odd pixels": ("size_m = [0.4, 0.3]", "size_m = [0.4, 0.9]", {"trace.tsv": trace().split("\n", 1)[1]}),
+    "other device": ("[gaze]", "[render]\ndevice = \"gpu\"\nmethod = \"rasanen\"\n[gaze]", {}),
+}
+
+
+@attack(*DOUBTS)
+def warning_of(box, what):
+    old, new, files = DOUBTS[what]
+    for name, content in files.items():
+        box.write(name, content)
+    box.write("study.toml", STUDY.replace(old, new, 1) if old else STUDY)
+    outcome = box.run("replay", "study.toml", "--out", "out").any()
+    if outcome.code != 0:
+        return
+    warnings = json.loads((box / "out/manifest.json").read_text())["warnings"]
+    page = html.unescape((box / "out/report.html").read_text())
+    printed = [line[6:] for line in outcome.err.splitlines() if line.startswith("foci: ")]
+    for line in printed:
+        if "renders on" in line or "assum" in line or "computing" in line:
+            continue
+        box.require(line in warnings, f"the manifest has not {line!r}")
+        box.require(line in page, f"the report has not {line!r}")
+    box.require(printed, "says nothing")
+
+
+BROKEN_GPU = ({"MESA_GL_VERSION_OVERRIDE": "3.0"}, {"GALLIUM_DRIVER": "nonsense"}, {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"},
+              {"EGL_PLATFORM": "nonsense"}, {"LIBGL_DRIVERS_PATH": "/nonexistent"}, {"MESA_EXTENSION_OVERRIDE": "-GL_ARB_compute_shader"})
+
+
+@attack(*[(i, device) for i in range(len(BROKEN_GPU)) for device in ("auto", "gpu")])
+def gpu_is_broken(box, which, device):
+    outcome = box.run("replay", "study.toml", "--device", device, "--method", "auto", "--set", "quality.frame_ms=20", "--set",
+                      'observer.pupil="luminance"', "--out", "out", env=BROKEN_GPU[which])
+    outcome.done() if device == "auto" else outcome.any()

@@ -259,7 +259,9 @@ class EventsTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder, "gaze.tsv")
             np.savetxt(file, np.stack([t, x, y], axis=1), delimiter="\t", header="time_s\tx\ty", comments="")
-            self.assertEqual(foci.Recording.open(file).assumed, ["unit of the positions: px (gaze.units)"])
+            unit, screen = foci.Recording.open(file).assumed
+        self.assertEqual(unit, "unit of the positions: px (gaze.units)")
+        self.assertRegex(screen, "^screen: .*since the recording does not state them$")
 
     def test_refuses_bad_samples(self):
         for arguments in [([0, 1, 1], [1, 2, 3], [1, 2, 3]), ([0, 1, 2], [1, 2], [1, 2, 3]),
@@ -378,10 +380,11 @@ class SessionTest(unittest.TestCase):
         session = self.session()
         session.push(1.0, 960, 540)
         for call in (lambda: session.push(1.0, 960, 540), lambda: session.state(0.5),
-                     lambda: session.push(math.nan, 960, 540)):
+                     lambda: session.push(math.nan, 960, 540), lambda: session.push([2, 2], [9, 9], [9, 9]),
+                     lambda: session.track([3, math.nan], [9, 9], [9, 9])):
             with self.assertRaises(foci.InputError):
                 call()
-        session.state(2.0)
+        session.state(4.0)
         with self.assertRaises(foci.InputError):
             session.push(1.5, 960, 540)
 

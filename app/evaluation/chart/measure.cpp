@@ -292,7 +292,11 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder, const Ou
   ChartResult result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
-    SurfelCloud shared;
+    std::optional<SurfelCloud> shared;
+    if (!scene.input.empty()) {  // its warnings stand on the page, also if all cells are kept
+      seen = scene.make();
+      result.warnings = seen->warnings;
+    }
     for (const double blur_px : plan.blurs_px) {
       ChartGroup group(plan, scene, blur_px, folder, cells, guard, on_steps);
       const auto done = static_cast<std::size_t>(
@@ -303,13 +307,9 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder, const Ou
       if (group.isComplete()) {
         on_steps(1 + scene.methods.size() * (1 + plan.threads.size()));
       } else {
-        if (!seen) {
-          seen = scene.make();
-          result.warnings.insert(result.warnings.end(), seen->warnings.begin(),
-                                 seen->warnings.end());
-          shared = scene.gaussians ? seen->cloud : withTree(seen->cloud);
-        }
-        group.measure(*seen, shared);
+        if (!seen) seen = scene.make();
+        if (!shared) shared = scene.gaussians ? seen->cloud : withTree(seen->cloud);
+        group.measure(*seen, *shared);
       }
       group.addTo(result);
     }

@@ -15,7 +15,7 @@ namespace foci {
 struct ChartResult {
   std::vector<ChartPoint> points;          ///< by scene, blur, method, threads
   std::size_t computed = 0, kept = 0;      ///< cells that this run measured, and found complete
-  std::vector<std::string> warnings = {};  ///< of the scenes that this run measured
+  std::vector<std::string> warnings = {};  ///< of the scan
 };
 
 /// The files that `measureChart` writes.

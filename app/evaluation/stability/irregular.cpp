@@ -158,7 +158,8 @@ StabilityScene thinnedScan(const ScanView& scan) {
           .good = 30.0,
           .values = {1.0f, 0.5f, 0.25f, 0.1f},
           .setup = [seen](float share) { return thinnedSetup(seen, share); },
-          .input = scanKey(scan)};
+          .input = scanKey(scan),
+          .warnings = seen->warnings};
 }
 
 }  // namespace foci

@@ -154,8 +154,10 @@ std::string stabilityPage(const StabilityPlan& plan, const std::vector<Stability
   out << pageStart("foci chart --stability: " + scenes + (plan.quick ? " (quick)" : ""),
                    std::string(kEvaluationStyle) + kChartStyle + kStabilityStyle)
       << "<h1>Depth of field: where methods fail</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
-      << (plan.quick ? " &middot; a quick look: three values for each dial" : "")
-      << "</p>\n<p>Each scene has one dial, which runs from harmless to extreme. The dashed line "
+      << (plan.quick ? " &middot; a quick look: three values for each dial" : "") << "</p>\n";
+  for (const StabilityScene& scene : plan.scenes) out << noticesOf(scene.warnings);
+  if (!notice.empty()) out << noticesOf({notice});
+  out << "<p>Each scene has one dial, which runs from harmless to extreme. The dashed line "
          "is "
          "the score that counts as good. Hollow points miss it. A scene with a closed form is "
          "scored against it. A scene of flat sheets is scored against rays that meet the sheets "
@@ -180,7 +182,6 @@ std::string stabilityPage(const StabilityPlan& plan, const std::vector<Stability
   out << "</div>\n<p class=\"quiet\"><code>stability.csv</code> holds all figures and "
          "<code>images/</code> all images. A later run continues from <code>cells/</code>, which "
          "you may remove.</p>\n";
-  if (!notice.empty()) out << "<p class=\"notice\">" << escaped(notice) << ".</p>\n";
   writeImageDialog(out);
   out << kPageEnd;
   return out.str();

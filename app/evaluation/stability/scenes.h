@@ -46,7 +46,8 @@ struct StabilityScene {
   std::vector<std::string> observers{};
   /// and the score of one of them.
   std::function<double(std::size_t observer, float value)> observe{};
-  std::string input{};  ///< `scanKey` of a scan; empty for a built-in scene
+  std::string input{};                  ///< `scanKey` of a scan; empty for a built-in scene
+  std::vector<std::string> warnings{};  ///< of reading the scan, printed already
 
   bool isGood(double value) const { return high_is_good ? value >= good : value <= good; }
 };
