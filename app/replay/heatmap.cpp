@@ -95,7 +95,7 @@ HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention
 }
 
 std::string heatBarSvg(double most_s_per_m2) {
-  constexpr double kWidth = 420.0, kBar = 18.0, kHeight = 40.0, kSide = 24.0;
+  constexpr double kWidth = 470.0, kBar = 18.0, kHeight = 40.0, kSide = 48.0;
   constexpr int kStops = 12;
   std::string svg = "<svg viewBox=\"0 0 " + decimal(kWidth, 0) + " " + decimal(kHeight, 0) +
                     "\" style=\"max-width:" + decimal(kWidth, 0) +

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/input_error.h"
+#include "base/memory_budget.h"
 #include "base/text.h"
 #include "gaze/sources/aria.h"
 #include "gaze/sources/bids.h"
@@ -253,9 +254,13 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen, std::optional<double> rate_Hz) {
   GazeTrace trace;
+  MemoryBudget budget(file);
+  for (const auto& companion : companionsOf(file)) budget.addFile(companion);
   const TraceHeader header =
-      streamTrace(file, columns, fallback_screen,
-                  [&](const GazeSample& sample) { trace.samples.push_back(sample); });
+      streamTrace(file, columns, fallback_screen, [&](const GazeSample& sample) {
+        budget.take(1, sizeof sample, "its samples");
+        trace.samples.push_back(sample);
+      });
   trace.format = header.format;
   trace.screen = header.screen;
   trace.field = header.field;

@@ -8,7 +8,7 @@ Each case runs `foci` in a box, a new folder with small inputs, and counts as a 
   is silent   it fails without a line, or says not what it should,
   executes    a file named TOUCHED appears (hostile names try to run `touch TOUCHED`),
   crashes     a signal ends it,
-  hangs       it takes over 10 s,
+  hangs       it takes over 10 s (more on a busy machine),
   memory      it takes over 2 GiB.
 The goal is 0. The exit code is 1 if there is a fault.
 

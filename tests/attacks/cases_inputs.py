@@ -178,6 +178,9 @@ MEMORY = {
     "recording of columns": (lambda: {"a.tsv": "\t".join(f"c{i}" for i in range(1000000)) + "\n"}, TRACE),
     "packed recording": (lambda: {"a_physio.tsv.gz": bomb(2000, b"", b"1\t2\t3\n"), "a_physio.json": json.dumps({
         "SamplingFrequency": 1, "StartTime": 0, "Columns": ["timestamp", "x_coordinate", "y_coordinate"]})}, TRACE),
+    "packed rows": (lambda: {"a.toml": STUDY.replace("[gaze]", "[gaze]\nrate_Hz = 1000\nx = 'x_px'\ny = 'y_px'"),
+                             "a.tsv.gz": bomb(900, (SCREEN + "x_px\ty_px\n").encode(), b"1\t2\n")},
+                    ("events", "--study", "a.toml"), "a.tsv.gz"),
     "packed line": (lambda: {"a.tsv.gz": bomb(4000)}, TRACE), "packed JSON": (lambda: {"a.json.gz": bomb(4000, b"{")}, TRACE),
     "ASC": (lambda: {"a.asc": "MSG 1 " + "x" * 9000000}, TRACE),
     "ASC of messages": (lambda: {"a.asc": "MSG 1 !V TRIAL_VAR a b\n" * 300000}, TRACE),
@@ -231,8 +234,8 @@ def altered_part(box, what):
 
 @attack("scan_4px_reference.rgba", "scan_4px_reference.json", "scan_4px_pinhole.json")
 def altered_cell(box, name):
-    command = ("chart", "--quick", "--scan", "scene.ply", "--size", "16", "--method", "pinhole", "--eye", "0,0,1.5",
-               "--look-at", "0,0.2,-1", "--out", "out")
+    command = ("chart", "--quick", "--scene", "scan", "--scan", "scene.ply", "--size", "16", "--method", "pinhole", "--eye", "0,-1.6,-0.2",
+               "--look-at", "0,0,-1", "--out", "out")
     box.write("scene.ply", square_ply(60))
     box.run(*command).done()
     file = box / "out/cells" / name
