@@ -3,9 +3,10 @@
 import html
 import json
 import os
+import re
 import stat
 
-from box import STUDY, Skip, attack, square_ply, trace
+from box import PAIRS, STUDY, Skip, attack, square_ply, trace
 from cases_outputs import unshared
 
 GNUPLOTS = {"exits": "exit 3", "is killed": "kill -9 $$", "draws nothing": "cat >/dev/null",
@@ -164,3 +165,24 @@ def gpu_is_broken(box, which, device):
     outcome = box.run("replay", "study.toml", "--device", device, "--method", "auto", "--set", "quality.frame_ms=20", "--set",
                       'observer.pupil="luminance"', "--out", "out", env=BROKEN_GPU[which])
     outcome.done() if device == "auto" else outcome.any()
+
+
+SCAN = ("chart", "--quick", "--scan", "scene.ply", "--eye", "0,-1.6,-0.2", "--look-at", "0,0,-1", "--method", "pinhole",
+        "--out", "out", "--scene")
+PAGES = {
+    "calibration": (("calibrate", "gaze", "--pairs", "pairs.tsv", "--units", "norm", "--report", "out/n.html"), "n.html"),
+    "stability": ((*SCAN, "thinned", "--stability"), "stability.html"),
+    "chart": ((*SCAN, "scan", "--size", "16"), "chart.html"),
+}
+
+
+@attack(*PAGES)
+def warnings_stand_on_the_page_of(box, what):
+    box.write("scene.ply", re.sub(r"\d+ 128 90\n", "9 9 9\n", square_ply(60)))
+    box.write("pairs.tsv", PAIRS.replace("8", "0.8").replace("5", "0.5"))
+    command, page = PAGES[what]
+    for _ in range(2):  # the second run keeps what the first one measured
+        outcome = box.run(*command).done()
+        printed = [line[6:] for line in outcome.err.splitlines() if line.startswith("foci: ")]
+        text = html.unescape((box / "out" / page).read_text())
+        box.require(printed and all(line in text for line in printed), f"{page} lacks one of {printed}")
