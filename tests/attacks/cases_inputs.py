@@ -181,7 +181,8 @@ MEMORY = {
     "packed rows": (lambda: {"a.toml": STUDY.replace("[gaze]", "[gaze]\nrate_Hz = 1000\nx = 'x_px'\ny = 'y_px'"),
                              "a.tsv.gz": bomb(900, (SCREEN + "x_px\ty_px\n").encode(), b"1\t2\n")},
                     ("events", "--study", "a.toml"), "a.tsv.gz"),
-    "packed line": (lambda: {"a.tsv.gz": bomb(4000)}, TRACE), "packed JSON": (lambda: {"a.json.gz": bomb(4000, b"{")}, TRACE),
+    "packed line": (lambda: {"a.tsv.gz": bomb(4000)}, TRACE),
+    "packed JSON": (lambda: {"a.json.gz": bomb(4000, b"{")}, TRACE),
     "ASC": (lambda: {"a.asc": "MSG 1 " + "x" * 9000000}, TRACE),
     "ASC of messages": (lambda: {"a.asc": "MSG 1 !V TRIAL_VAR a b\n" * 300000}, TRACE),
     "XDF of a chunk": (lambda: {"a.xdf": xdf(xdf_chunk(2, u32(7) + STREAM % 2, 2**62))}, TRACE),
@@ -234,8 +235,8 @@ def altered_part(box, what):
 
 @attack("scan_4px_reference.rgba", "scan_4px_reference.json", "scan_4px_pinhole.json")
 def altered_cell(box, name):
-    command = ("chart", "--quick", "--scene", "scan", "--scan", "scene.ply", "--size", "16", "--method", "pinhole", "--eye", "0,-1.6,-0.2",
-               "--look-at", "0,0,-1", "--out", "out")
+    command = ("chart", "--quick", "--scene", "scan", "--scan", "scene.ply", "--size", "16", "--method", "pinhole",
+               "--eye", "0,-1.6,-0.2", "--look-at", "0,0,-1", "--out", "out")
     box.write("scene.ply", square_ply(60))
     box.run(*command).done()
     file = box / "out/cells" / name
@@ -293,7 +294,8 @@ ASC = ("MSG\t1 GAZE_COORDS 0.00 0.00 639.00 479.00\nSTART\t1 \tLEFT\tSAMPLES\tEV
        "SAMPLES\tGAZE\tLEFT\tRATE\t100.00\n{}END\t2000 \tSAMPLES\tEVENTS\n")
 
 
-@attack(*[(kind, value) for kind in ("asc", "tsv") for value in ("1e30", "-1e30", "nan", "inf", "1e309", "0x10", "1e-400")])
+@attack(*[(kind, value) for kind in ("asc", "tsv")
+          for value in ("1e30", "-1e30", "nan", "inf", "1e309", "0x10", "1e-400")])
 def position_of(box, kind, value):
     rows = [f"{10 * i}\t{value if i == 50 else 320}\t240\t500.0\t...\n" for i in range(1, 100)]
     if kind == "asc":
@@ -309,7 +311,8 @@ def position_of(box, kind, value):
 
 @attack("path", "objects", "columns", "one text")
 def study_of_one_line(box, what):
-    path = ", ".join(f"{{ time_s = {i}, position_m = [0, 0, {i % 7 * 0.01}], look_at_m = [0, 0, -1] }}" for i in range(8000))
+    path = ", ".join(f"{{ time_s = {i}, position_m = [0, 0, {i % 7 * 0.01}], look_at_m = [0, 0, -1] }}"
+                     for i in range(8000))
     objects = ", ".join(f'{{ name = "o{i}", center_m = [0, 0, -1], radius_m = 0.1 }}' for i in range(8000))
     study = STUDY
     if what == "path":

@@ -56,7 +56,8 @@ def open_files(live):
     live.box.before = None
 
 
-FILES = ("/etc/passwd", "secret.csv", "../secret.csv", "link.csv", "zero.csv", "pipe.csv", "/dev/zero", ".", "", "a\0b", "open/../secret.csv")
+FILES = ("/etc/passwd", "secret.csv", "../secret.csv", "link.csv", "zero.csv", "pipe.csv", "/dev/zero", ".", "", "a\0b",
+         "open/../secret.csv")
 
 
 @attack("closed", "open")
@@ -81,7 +82,8 @@ def words_by_remote(box):
             box.require(answer.startswith(("error", "ok")), f"{verb}: {answer[:99]}")
     for name in ("../out", "/tmp/x", "a/b", ".", ".."):
         box.require(live.ask("record " + name).startswith("error"), "record " + name, "overwrites")
-    for key in ("scene.file", "gaze.map", "screen.monitor", "screen.spectra", "record.frames", "remote.folder", "output.fps"):
+    for key in ("scene.file", "gaze.map", "screen.monitor", "screen.spectra", "record.frames", "remote.folder",
+                "output.fps"):
         box.require(live.ask(f'set {key} "/etc/passwd"').startswith("error"), key, "executes")
     for noise in (b"", b"\0" * 60000, b"\xff\xfe", b"gaze " + b"1 2 3;" * 9000, b"gaze " + b"9" * 60000, b"[" * 60000):
         live.socket.send(noise)
@@ -99,7 +101,8 @@ def gaze_that_is_not_used(box, why):
     live = Live(box, "--source", "socket:100", "--record", "record")
     said = ""
     for i in range(200):
-        at = {"lost": f"{i / 100} nan nan", "far ahead": f"{1e4 * (i + 1)} 9 9", "repeated": "5 9 9", "no numbers": "x y z"}[why]
+        at = {"lost": f"{i / 100} nan nan", "far ahead": f"{1e4 * (i + 1)} 9 9", "repeated": "5 9 9",
+              "no numbers": "x y z"}[why]
         said = live.ask("gaze " + at)
         if "unused" in said or said.startswith("error"):
             break

@@ -90,7 +90,8 @@ def column(box, text):
 
 
 def column_that_is_missing(box, text):
-    return [("events", "trace.tsv", "--x", text), ("replay", "study.toml", "--out", "out", "--set", "gaze.x=" + toml(text))]
+    return [("events", "trace.tsv", "--x", text),
+            ("replay", "study.toml", "--out", "out", "--set", "gaze.x=" + toml(text))]
 
 
 def objects_of_an_obj(box, text):
@@ -110,13 +111,13 @@ def objects_of_a_gltf(box, text):
 def objects_of_a_study(box, text):
     box.write("study.toml", STUDY.replace("[eye]", f"object = [{{ name = {toml(text)}, center_m = [0, 0, -1], "
                                                    "radius_m = 0.3 }]\n[eye]"))
-    return [GAZE, ("compare", "out", "out", "--out", "c"), ("render", "study.toml", "--out", "n.png", "--write-study",
-                                                            "w.toml"), ("render", "w.toml", "--out", "m.png")]
+    return [GAZE, ("compare", "out", "out", "--out", "c"),
+            ("render", "study.toml", "--out", "n.png", "--write-study", "w.toml"), ("render", "w.toml", "--out", "m.png")]
 
 
 def people(box, text):
-    rows = "".join(f"{0.01 * i:.2f}\t320\t240\t{p}\n" for p in (text.replace("\t", " ").replace("\n", " "), "B/../..", "b/../..")
-                   for i in range(50))
+    names = (text.replace("\t", " ").replace("\n", " "), "B/../..", "b/../..")
+    rows = "".join(f"{0.01 * i:.2f}\t320\t240\t{name}\n" for name in names for i in range(50))
     box.write("trace.tsv", SCREEN + "time_s\tx_px\ty_px\tparticipant\n" + rows)
     return [("trace", "info", "trace.tsv"), (*GAZE, "--trace", "trace.tsv")]
 
@@ -124,8 +125,8 @@ def people(box, text):
 def markers_of_an_asc(box, text):
     rows = "".join(f"{10 * i}\t320\t240\t500.0\t...\n" for i in range(1, 99))
     box.write("a.asc", "MSG\t1 GAZE_COORDS 0.00 0.00 639.00 479.00\nSTART\t1 \tLEFT\tSAMPLES\tEVENTS\n"
-              f"SAMPLES\tGAZE\tLEFT\tRATE\t100.00\nMSG\t15 TRIALID {text}\nMSG\t20 {text}\nMSG\t21 !V TRIAL_VAR {text} 1\n"
-              + rows + "END\t2000 \tSAMPLES\tEVENTS\n")
+              f"SAMPLES\tGAZE\tLEFT\tRATE\t100.00\nMSG\t15 TRIALID {text}\nMSG\t20 {text}\n"
+              f"MSG\t21 !V TRIAL_VAR {text} 1\n" + rows + "END\t2000 \tSAMPLES\tEVENTS\n")
     return [("trace", "info", "a.asc"), (*GAZE, "--trace", "a.asc"),
             ("trace", "convert", "a.asc", "--out", "a_physio.tsv.gz", "--screen-m", "0.4x0.3", "--distance-m", "0.5")]
 
@@ -143,8 +144,8 @@ def folder(box, text):
 
 def scan(box, text):
     box.write(text + ".ply", square_ply(60))
-    return [("chart", "--quick", "--stability", "--scene", "thinned", "--scan", text + ".ply", "--eye", "-1", "0", "0.2",
-             "--look-at", "0", "0", "-1", "--method", "pinhole", "--out", "out")]
+    return [("chart", "--quick", "--stability", "--scene", "thinned", "--scan", text + ".ply", "--eye", "0,-1.6,-0.2",
+             "--look-at", "0,0,-1", "--method", "pinhole", "--out", "out")]
 
 
 def study(box, text):
@@ -153,11 +154,12 @@ def study(box, text):
 
 
 def words(box, text):
-    return [(text,), ("render", text), ("events", text), ("replay", "study.toml", "--method", text), ("replay", "study.toml",
-            "--set", text), ("replay", "study.toml", "--set", "render.method=" + toml(text)), ("chart", "--method", text,
-            "--out", "o"), ("chart", "--scene", text, "--out", "o"), ("info", text), ("webcam", text), ("join", text, "--out",
-            "o"), ("compare", text, "x", "--out", "o"), ("live", "study.toml", "--source", text),
-            ("calibrate", "gaze", "--pairs", text), ("prepare", text, "--out", "n.foci"), ("trace", "info", text)]
+    return [(text,), ("render", text), ("events", text), ("replay", "study.toml", "--method", text),
+            ("replay", "study.toml", "--set", text), ("replay", "study.toml", "--set", "render.method=" + toml(text)),
+            ("chart", "--method", text, "--out", "o"), ("chart", "--scene", text, "--out", "o"), ("info", text),
+            ("webcam", text), ("join", text, "--out", "o"), ("compare", text, "x", "--out", "o"),
+            ("live", "study.toml", "--source", text), ("calibrate", "gaze", "--pairs", text),
+            ("prepare", text, "--out", "n.foci"), ("trace", "info", text)]
 
 
 def keys(box, text):
@@ -169,15 +171,16 @@ def keys(box, text):
 
 
 def json_texts(box, text):
-    box.write("a.json", json.dumps({text: {"sizePix": [640, 480], "width": 40, "distance": 50, "notes": text, "gamma": text}}))
+    box.write("a.json", json.dumps({text: {"sizePix": [640, 480], "width": 40, "distance": 50, "notes": text,
+                                           "gamma": text}}))
     box.write("a_physio.tsv", "1\t2\t3\n" * 9)
     box.write("a_physio.json", json.dumps({"SamplingFrequency": 1, "StartTime": 0, "Columns": [text, "b", text],
                                            "PhysioType": text}))
     return [("calibrate", "screen", "--headless", "--monitor", "a.json"), ("trace", "info", "a_physio.tsv")]
 
 
-CARRIERS = (scene, recording, column, column_that_is_missing, objects_of_an_obj, objects_of_a_gltf, objects_of_a_study, people,
-            markers_of_an_asc, markers, folder, scan, study, words, keys, json_texts)
+CARRIERS = (scene, recording, column, column_that_is_missing, objects_of_an_obj, objects_of_a_gltf, objects_of_a_study,
+            people, markers_of_an_asc, markers, folder, scan, study, words, keys, json_texts)
 
 
 @attack(*[(carrier.__name__, kind) for carrier in CARRIERS for kind in HOSTILE])

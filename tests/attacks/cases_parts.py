@@ -130,7 +130,8 @@ DOUBTS = {
     "dark points": ("", "", {"scene.ply": square_ply().replace(" 128 90\n", " 0 1\n").replace(" 255 ", " 1 ")}),
     "copies of rows": ("", "", {"trace.tsv": trace() + trace().split("px\n", 1)[1]}),
     "gaze off the screen": ("", "", {"trace.tsv": trace().replace("\t320\t", "\t900\t")}),
-    "gaze that is lost": ("", "", {"trace.tsv": trace(60) + "".join(f"{0.6 + i / 100:.2f}\tnan\tnan\n" for i in range(90))}),
+    "gaze that is lost": ("", "", {
+        "trace.tsv": trace(60) + "".join(f"{0.6 + i / 100:.2f}\tnan\tnan\n" for i in range(90))}),
     "odd pixels": ("size_m = [0.4, 0.3]", "size_m = [0.4, 0.9]", {"trace.tsv": trace().split("\n", 1)[1]}),
     "other device": ("[gaze]", "[render]\ndevice = \"gpu\"\nmethod = \"rasanen\"\n[gaze]", {}),
 }
@@ -156,14 +157,15 @@ def warning_of(box, what):
     box.require(printed, "says nothing")
 
 
-BROKEN_GPU = ({"MESA_GL_VERSION_OVERRIDE": "3.0"}, {"GALLIUM_DRIVER": "nonsense"}, {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"},
-              {"EGL_PLATFORM": "nonsense"}, {"LIBGL_DRIVERS_PATH": "/nonexistent"}, {"MESA_EXTENSION_OVERRIDE": "-GL_ARB_compute_shader"})
+BROKEN_GPU = ({"MESA_GL_VERSION_OVERRIDE": "3.0"}, {"GALLIUM_DRIVER": "nonsense"}, {"EGL_PLATFORM": "nonsense"},
+              {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"}, {"LIBGL_DRIVERS_PATH": "/nonexistent"},
+              {"MESA_EXTENSION_OVERRIDE": "-GL_ARB_compute_shader"})
 
 
 @attack(*[(i, device) for i in range(len(BROKEN_GPU)) for device in ("auto", "gpu")])
 def gpu_is_broken(box, which, device):
-    outcome = box.run("replay", "study.toml", "--device", device, "--method", "auto", "--set", "quality.frame_ms=20", "--set",
-                      'observer.pupil="luminance"', "--out", "out", env=BROKEN_GPU[which])
+    outcome = box.run("replay", "study.toml", "--device", device, "--method", "auto", "--set", "quality.frame_ms=20",
+                      "--set", 'observer.pupil="luminance"', "--out", "out", env=BROKEN_GPU[which])
     outcome.done() if device == "auto" else outcome.any()
 
 
