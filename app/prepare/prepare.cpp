@@ -162,25 +162,27 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
 }
 
 /// Gaussians with their tree.
-PreparedScene preparedGaussians(const PrepareRequest& request, GaussianFile&& file,
+PreparedScene preparedGaussians(const PrepareRequest& request, SceneFile&& file,
                                 PrepareSummary& summary) {
   if (request.points) {
     throw InputError("--points", "sets the samples of a mesh, and " + request.input.string() +
                                      " holds Gaussians: leave it out");
   }
-  if (file.mesh) {
-    throw InputError(request.input.string(),
-                     "holds a mesh beside its Gaussians, which foci prepare does not join: "
-                     "render the file itself");
+  auto& read = std::get<GaussianFile>(file.content);
+  PreparedScene scene;
+  scene.origin.y_is_down = !read.y_is_up;
+  summary.dropped = read.dropped;
+  GaussianCloud gaussians;
+  if (read.mesh || read.points) {  // which become flat Gaussians
+    gaussians = *openScene(std::move(file), request.scale_m, std::nullopt).cloud.gaussians;
+  } else {
+    gaussians = std::move(read.cloud);
+    scaleBy(gaussians, static_cast<float>(request.scale_m));
   }
-  scaleBy(file.cloud, static_cast<float>(request.scale_m));
-  const auto cloud = std::make_shared<const GaussianCloud>(withTree(std::move(file.cloud)));
-  summary.dropped = file.dropped;
+  const auto cloud = std::make_shared<const GaussianCloud>(withTree(std::move(gaussians)));
   summary.gaussians = cloud->size();
   summary.nodes = cloud->tree->nodes.size() - 1;
-  PreparedScene scene;
   scene.cloud.gaussians = cloud;
-  scene.origin.y_is_down = !file.y_is_up;
   return scene;
 }
 
@@ -196,9 +198,9 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   if (const auto* const streamed = std::get_if<StreamedGaussians>(&file.content)) {
     file.content = streamed->read({});
   }
-  auto* const gaussians = std::get_if<GaussianFile>(&file.content);
-  const PreparedScene scene = gaussians ? preparedGaussians(request, std::move(*gaussians), summary)
-                                        : preparedSurfels(request, std::move(file), summary);
+  const PreparedScene scene = std::holds_alternative<GaussianFile>(file.content)
+                                  ? preparedGaussians(request, std::move(file), summary)
+                                  : preparedSurfels(request, std::move(file), summary);
   output.write(request.out, [&](const std::filesystem::path& to) { writeSceneFile(to, scene); });
   Warnings warnings;
   const std::string input = request.input.string();

@@ -17,6 +17,7 @@
 
 namespace foci {
 
+struct PointCloud;
 struct TriangleMesh;
 
 /// Gaussians as a file holds them, in its own units.
@@ -27,7 +28,9 @@ struct GaussianFile {
   std::size_t dropped = 0;             ///< Gaussians left out, because a value was not finite
   std::vector<std::string> remarks{};  ///< what the user should know, a sentence each
   std::optional<double> unit_m{};      ///< metres a unit, if the format says so
-  std::shared_ptr<TriangleMesh> mesh{};  ///< beside the Gaussians, in the same frame; null: none
+  /// Beside the Gaussians, in the same frame; null: none.
+  std::shared_ptr<TriangleMesh> mesh{};
+  std::shared_ptr<PointCloud> points{};
 };
 
 /// What the user should know of a file of degree 4, of which foci shows kMaxHarmonicsDegree.

@@ -45,14 +45,14 @@ class GltfMeshReader {
   explicit GltfMeshReader(const GltfDocument& gltf)
       : gltf_(gltf), nodes_(gltf), builder_(gltf.path()), materials_(gltf, builder_) {}
 
-  MeshFile read() {
+  MeshFile read(bool points_are_kept) {
     try {
       const std::vector<GltfPlace> places = placesOf(gltf_);
       refuseTooLarge(places);
       for (const GltfPlace& place : places) addPlace(place);
       builder_.remarkCount(missing_, " triangle names a vertex that is not there: it is left out",
                            " triangles name vertices that are not there: left out");
-      builder_.remarkLeftOut(points_, lines_);
+      builder_.remarkLeftOut(points_are_kept ? 0 : points_, lines_);
       return builder_.finish({.kind = SceneKind::gltf, .unit_m = 1.0},
                              [&](std::uint32_t number) { return materials_.read(number); });
     } catch (const Json::exception&) {
@@ -267,6 +267,8 @@ class GltfMeshReader {
 
 }  // namespace
 
-MeshFile readGltfMesh(const GltfDocument& gltf) { return GltfMeshReader(gltf).read(); }
+MeshFile readGltfMesh(const GltfDocument& gltf, bool points_are_kept) {
+  return GltfMeshReader(gltf).read(points_are_kept);
+}
 
 }  // namespace foci

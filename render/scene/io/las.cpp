@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -202,7 +203,7 @@ class LasPlaces {
     remarks.insert(remarks.end(), coordinates_.remarks.begin(), coordinates_.remarks.end());
     if (middle_deg_) {
       remarks.push_back("x and y are longitude and latitude in degrees: shown in metres from " +
-                        exactText(middle_deg_->x) + " " + exactText(middle_deg_->y));
+                        significant(middle_deg_->x, 9) + " " + significant(middle_deg_->y, 9));
     }
     if (height_ != 1.0) {
       remarks.push_back("heights are in units of " + significant(height_ * unit_m_, 7) +
@@ -284,7 +285,10 @@ PointCloud readLas(const std::filesystem::path& path) {
     remarkDark(points);
   } else {
     points.color = greyOf(intensity);
-    if (has_color) points.remarks.emplace_back(kIntensityInstead);
+    const auto& grey = points.color;
+    const bool varies =
+        std::adjacent_find(grey.begin(), grey.end(), std::not_equal_to<>()) != grey.end();
+    if (has_color) points.remarks.emplace_back(varies ? kIntensityInstead : kGreyInstead);
   }
   return points;
 }

@@ -110,6 +110,9 @@ void MeshBuilder::remarkCount(std::uint64_t count, const std::string& one,
 }
 
 void MeshBuilder::remarkLeftOut(std::uint64_t points, std::uint64_t lines) {
+  if (mesh_.size() == 0 && lines > 0 && points == 0) {
+    throw InputError(file_, "holds lines, and foci shows triangles, points and Gaussians");
+  }
   if (mesh_.size() == 0) return;
   remarkCount(points, " point beside the triangles is left out",
               " points beside the triangles are left out");

@@ -11,7 +11,8 @@ namespace foci {
 
 /// glTF 2.0, text or binary: nodes with instances, skins and morph targets; Draco and meshopt;
 /// materials with metallic roughness, specular glossiness or no light.
-MeshFile readGltfMesh(const GltfDocument& gltf);
+/// @param points_are_kept  the caller shows them: they are not counted as left out
+MeshFile readGltfMesh(const GltfDocument& gltf, bool points_are_kept = false);
 
 MeshFile readObjMesh(const std::filesystem::path& path);
 MeshFile readStlMesh(const std::filesystem::path& path);

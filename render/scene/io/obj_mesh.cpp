@@ -81,15 +81,23 @@ class ObjMesh {
   }
 
   void build() {
+    float white = 1.0f;
+    bool whole = true;
+    for (const glm::vec3& color : obj_.colors) {
+      white = std::max({white, color.x, color.y, color.z});
+      whole = whole && color == glm::round(color);
+    }
+    constexpr float kSlack = 1e-3f, kByte = 255.0f;
+    const bool bytes = white > 1.0f + kSlack;
+    if (bytes && !(whole && white <= kByte)) {
+      throw InputError(path_.string(), "colour " + decimal(double{white}, 3) +
+                                           " of a vertex: expected 0 to 1, or whole numbers of 0 "
+                                           "to 255");
+    }
+    if (bytes) builder_.remark("its colours are 0 to 255, and not 0 to 1");
+    white = bytes ? kByte : 1.0f;
     for (glm::vec3& color : obj_.colors) {
-      const float brightest = std::max({color.x, color.y, color.z});
-      constexpr float kSlack = 1e-3f;
-      if (brightest > 1.0f + kSlack) {
-        throw InputError(path_.string(), "colour " + decimal(double{brightest}, 3) +
-                                             " of a vertex: expected 0 to 1; divide colours of 0 "
-                                             "to 255 by 255");
-      }
-      if (color != glm::vec3(-1.0f)) color = linearColor(color);
+      if (color != glm::vec3(-1.0f)) color = linearColor(color / white);
     }
     places_ = builder_.placesOf(obj_.positions);
     std::vector<std::uint16_t> objects;

@@ -115,6 +115,12 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
                                               {.viewpoint_m = viewpoint_m});
       cloud = joined(std::move(cloud), std::move(surfels), "mesh");
     }
+    if (gaussians->points) {
+      scale(gaussians->points->position_m, factor);
+      cloud = joined(std::move(cloud),
+                     surfelsFromPoints(std::move(*gaussians->points), {.viewpoint_m = viewpoint_m}),
+                     "points");
+    }
     return {std::move(cloud), gaussians->dropped, std::move(gaussians->remarks)};
   }
   OpenedPoints opened = openPoints(std::move(file), scale_m);

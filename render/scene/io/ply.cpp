@@ -16,7 +16,6 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMaxLabels = 1000;
-constexpr const char* kGreyInstead = "all colours are 0: shown in grey";
 
 float toFloat(double x) { return static_cast<float>(x); }
 

@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "render/scene/io/named_file.h"
 
 namespace foci::ply {
 namespace {
@@ -56,7 +57,7 @@ std::vector<std::string> textureNames(const Header& header) {
   constexpr std::string_view kKey = "TextureFile";
   std::vector<std::string> names;
   for (const std::string_view comment : header.comments) {
-    if (comment.starts_with(kKey)) names.emplace_back(trimmed(comment.substr(kKey.size())));
+    if (comment.starts_with(kKey)) names.emplace_back(plainName(comment.substr(kKey.size())));
   }
   return names;
 }

@@ -16,6 +16,7 @@ namespace foci {
 inline constexpr float kUncolouredLight = 0.2140f;
 
 /// A remark on colours that are all 0, where the file has intensities, too.
+inline constexpr const char* kGreyInstead = "all colours are 0: shown in grey";
 inline constexpr const char* kIntensityInstead = "all colours are 0: intensity is shown as grey";
 
 /// Whether a place is finite and no farther out than kFarthest_m.

@@ -98,8 +98,13 @@ SceneFacts factsOfContent(const GaussianFile& file) {
     const std::vector<glm::vec3>& corners = file.mesh->corners_m;
     facts.triangles = file.mesh->size();
     facts.position.insert(facts.position.end(), corners.begin(), corners.end());
-    facts.reach.resize(facts.position.size(), glm::vec3(0.0f));
   }
+  if (file.points) {
+    const std::vector<glm::vec3>& positions = file.points->position_m;
+    facts.points = positions.size();
+    facts.position.insert(facts.position.end(), positions.begin(), positions.end());
+  }
+  facts.reach.resize(facts.position.size(), glm::vec3(0.0f));
   facts.dropped = file.dropped;
   facts.remarks = file.remarks;
   facts.y_is_down = !file.y_is_up;

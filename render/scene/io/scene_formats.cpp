@@ -105,26 +105,23 @@ SceneContent readPlyScene(const fs::path& path, std::uint64_t /*checked_B*/) {
   return readPly(path);
 }
 
-/// Gaussians, with a mesh beside them; else points, or a mesh.
+/// Gaussians, with the mesh and the points beside them; else points, or a mesh.
 SceneContent readGltfScene(const fs::path& path, std::uint64_t /*checked_B*/) {
   const GltfDocument gltf(path);
   GltfPoints found = readGltfPoints(gltf);
   if (!found.gaussians && (found.has_triangles || !found.points)) return readGltfMesh(gltf);
   if (!found.gaussians) return std::move(*found.points);
   GaussianFile& file = *found.gaussians;
-  if (found.points) {
-    file.remarks.push_back(thousands(static_cast<double>(found.points->size())) +
-                           " points beside its Gaussians are left out");
-  }
+  if (found.points) file.points = std::make_shared<PointCloud>(std::move(*found.points));
   if (found.has_triangles) {
-    file.mesh = std::make_shared<TriangleMesh>(readGltfMesh(gltf).mesh);
+    file.mesh = std::make_shared<TriangleMesh>(readGltfMesh(gltf, true).mesh);
     file.remarks.insert(file.remarks.end(), file.mesh->remarks.begin(), file.mesh->remarks.end());
   }
   return std::move(file);
 }
 
 SceneContent readObjScene(const fs::path& path, std::uint64_t /*checked_B*/) {
-  if (isObjOfPoints(path)) return readObjPoints(path);
+  if (auto points = readObjPoints(path)) return std::move(*points);
   return readObjMesh(path);
 }
 

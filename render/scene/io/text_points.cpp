@@ -473,19 +473,26 @@ PointCloud readTextPoints(const std::filesystem::path& path) {
   return TextPointsReader(path).read();
 }
 
-bool isObjOfPoints(const std::filesystem::path& path) {
+std::optional<PointCloud> readObjPoints(const std::filesystem::path& path) {
   ply::Input input(path);
   bool has_vertices = false;
+  std::size_t lines = 0;
   while (input.remaining() > 0) {
-    const std::string_view line = trimmed(input.line());
-    if (line.starts_with("f ") || line.starts_with("f\t")) return false;
-    has_vertices = has_vertices || line.starts_with("v ") || line.starts_with("v\t");
+    const std::string_view line = trimmed(withoutByteOrderMark(input.line()));
+    const auto begins = [&](char c) {
+      return line.size() > 1 && line[0] == c && (line[1] == ' ' || line[1] == '\t');
+    };
+    if (begins('f')) return std::nullopt;
+    has_vertices = has_vertices || begins('v');
+    lines += begins('l') ? 1 : 0;
   }
-  return has_vertices;
-}
-
-PointCloud readObjPoints(const std::filesystem::path& path) {
-  return TextPointsReader(path, "v").read();
+  if (!has_vertices) return std::nullopt;
+  PointCloud points = TextPointsReader(path, "v").read();
+  if (lines > 0) {
+    points.remarks.push_back(counted(lines, "line") +
+                             " left out: the vertices are shown as points");
+  }
+  return points;
 }
 
 }  // namespace foci

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "render/scene/point_cloud.h"
 
@@ -36,11 +37,9 @@ bool startsWithPoints(const std::filesystem::path& path);
 /// @throws InputError with file and line
 PointCloud readTextPoints(const std::filesystem::path& path);
 
-/// Whether an OBJ has vertices and no faces.
-bool isObjOfPoints(const std::filesystem::path& path);
-
-/// The vertices of such an OBJ, with colours of 0 to 1 where they have some.
+/// The vertices of an OBJ, with colours of 0 to 1 where they have some. Absent if it has faces, or
+/// no vertices.
 /// @throws InputError with file and line
-PointCloud readObjPoints(const std::filesystem::path& path);
+std::optional<PointCloud> readObjPoints(const std::filesystem::path& path);
 
 }  // namespace foci

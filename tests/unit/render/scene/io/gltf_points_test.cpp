@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -226,18 +227,40 @@ TEST_F(GltfPointsTest, PointsHaveLinearColours) {
   EXPECT_EQ(facts.kind, SceneKind::gltf);
 }
 
-TEST_F(GltfPointsTest, AMeshBesideGaussiansIsInTheScene) {
+TEST_F(GltfPointsTest, AMeshAndPointsBesideGaussiansAreInTheScene) {
   GltfText gltf;
   addGaussians(gltf, 0, kEllipse);
+  gltf.primitives.push_back(
+      {{"attributes", {{"POSITION", gltf.addFloats({5, 0, 0, 5, 1, 0, 5, 0, 1}, "VEC3")}}},
+       {"mode", 0}});
   gltf.primitives.push_back(
       {{"attributes", {{"POSITION", gltf.addFloats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3")}}}});
   SceneFile scene = readScene(scratch.write("both.gltf", gltf.text()));
   const SceneFacts facts = factsOf(scene);
   EXPECT_EQ(facts.gaussians, 2u);
   EXPECT_EQ(facts.triangles, 1u);
-  const OpenedScene opened = openScene(std::move(scene), 1.0, {});
+  EXPECT_EQ(facts.points, 3u);
+  EXPECT_TRUE(facts.remarks.empty());
+  const OpenedScene opened = openScene(std::move(scene), 2.0, {});
   ASSERT_TRUE(opened.cloud.gaussians);
   EXPECT_GT(opened.cloud.gaussians->size(), 100u);
+  float farthest_m = 0.0f;
+  for (const glm::vec3& p : opened.cloud.gaussians->position_m) {
+    farthest_m = std::max(farthest_m, p.x);
+  }
+  EXPECT_EQ(farthest_m, 10.0f);
+}
+
+TEST_F(GltfPointsTest, LinesAloneAreRefusedAsLines) {
+  GltfText gltf;
+  gltf.primitives.push_back(
+      {{"attributes", {{"POSITION", gltf.addFloats({0, 0, 0, 1, 0, 0}, "VEC3")}}}, {"mode", 1}});
+  try {
+    readScene(scratch.write("lines.gltf", gltf.text()));
+    FAIL() << "read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("holds lines"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

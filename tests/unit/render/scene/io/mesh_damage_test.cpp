@@ -212,9 +212,15 @@ TEST_F(MeshDamage, FacesOfAPlyChooseTheirTexture) {
   EXPECT_EQ(said("a.ply", text + "-1\n"), "");
 }
 
-TEST_F(MeshDamage, ColoursOfVerticesAboveOneAreRefused) {
-  EXPECT_TRUE(has(said("a.obj", "v 0 0 0 200 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
-                  "colour 200.000 of a vertex: expected 0 to 1"));
+TEST_F(MeshDamage, ColoursOfVerticesMayBe0To255) {
+  EXPECT_TRUE(has(said("a.obj", "v 0 0 0 300 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
+                  "colour 300.000 of a vertex: expected 0 to 1, or whole"));
+  EXPECT_TRUE(has(said("a.obj", "v 0 0 0 1.5 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
+                  "colour 1.500 of a vertex"));
+  const std::string bytes = "v 0 0 0 255 0 0\nv 1 0 0 255 0 0\nv 0 1 0 255 0 0\nf 1 2 3\n";
+  EXPECT_TRUE(has(said("c.obj", bytes), "colours are 0 to 255"));
+  const MeshFile file = readMesh(folder_.write("c.obj", bytes));
+  EXPECT_EQ(colorAt(file.mesh, {0, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(1, 0, 0));
   EXPECT_EQ(said("b.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"), "");
 }
 

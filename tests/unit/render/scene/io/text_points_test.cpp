@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 
 #include "base/input_error.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/open_scene.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/render/scene/io/gaussian_files.h"
 
 namespace foci {
 namespace {
@@ -221,7 +223,31 @@ TEST_F(TextPoints, AnObjMayHoldPointsOnly) {
   EXPECT_FLOAT_EQ(points.color[1].b, linearFromSrgb(0.5f));
   EXPECT_TRUE(points.normal.empty());
   EXPECT_EQ(nameOf(factsOf(scene)), "OBJ points");
-  EXPECT_EQ(readObjPoints(scratch.write("q.obj", "v 1 2 3\nv 2 3 4\n")).size(), 2u);
+  EXPECT_EQ(readObjPoints(scratch.write("q.obj", "v 1 2 3\nv 2 3 4\n"))->size(), 2u);
+  EXPECT_TRUE(points.remarks.empty());
+  const auto lines = readObjPoints(scratch.write("l.obj", "v 1 2 3\nv 2 3 4\nl 1 2\n"));
+  ASSERT_EQ(lines->remarks.size(), 1u);
+  EXPECT_TRUE(has(lines->remarks[0], "1 line left out"));
+}
+
+TEST_F(TextPoints, PointsOfColmapMayBeBinary) {
+  std::string bytes;
+  put(bytes, std::uint64_t{2});
+  for (const double x : {1.0, -2.0}) {
+    const auto images = static_cast<std::uint64_t>(x > 0.0);  // a track of any length
+    put(bytes, std::uint64_t{7}, x, 2.0, 3.0, std::uint8_t{255}, std::uint8_t{0}, std::uint8_t{0});
+    put(bytes, 0.5, images);
+    if (images > 0) put(bytes, std::uint32_t{4}, std::uint32_t{5});
+  }
+  const SceneFile scene = readScene(scratch.write("points3D.bin", bytes));
+  const auto& points = std::get<PointCloud>(scene.content);
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points.position_m[0], glm::vec3(1, 2, 3));
+  EXPECT_EQ(points.position_m[1], glm::vec3(-2, 2, 3));
+  EXPECT_EQ(points.color[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(points.format, "COLMAP points");
+  bytes[8 + 43] = 9;  // images of the first point: more than there is room for
+  EXPECT_FALSE(isScene(scratch.write("cut.bin", bytes)));
 }
 
 TEST_F(TextPoints, PointsOfAriaKeepWhatIsCertain) {
