@@ -10,7 +10,6 @@
 #include "app/study/study.h"
 #include "gaze/sources/live_source.h"
 #include "gaze/sources/pushed_source.h"
-#include "gaze/sources/simple_sources.h"
 
 namespace foci {
 

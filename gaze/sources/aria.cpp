@@ -1,15 +1,15 @@
-// The drawings are those of projectaria_tools (core/calibration/ConfigData.cpp): the camera's place
-// and its y and z axes in the frame CPF, x to the left, y up, z forward. The device's frame is that
-// of the camera to the left in front.
-#include "gaze/sources/aria.h"
-
+// Project Aria's glasses: the head's trajectory from their machine perception services, beside a
+// table of gaze (facebookresearch.github.io/projectaria_tools). The drawings are those of
+// projectaria_tools (core/calibration/ConfigData.cpp): the camera's place and its y and z axes in
+// the frame CPF, x to the left, y up, z forward. The device's frame is that of the camera to the
+// left in front.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "base/text.h"
-#include "gaze/sources/line_reader.h"
-#include "gaze/sources/swift_number.h"
+#include "gaze/sources/read_rows.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -36,14 +36,9 @@ HeadInWorld deviceFromHead(const Drawing& drawing) {
           .world_from_head = glm::normalize(glm::quat_cast(device_from_cpf * cpf_from_head))};
 }
 
-}  // namespace
-
-bool isAriaGaze(std::string_view header) {
-  return header.starts_with("tracking_timestamp_us,") &&
-         header.find("yaw_rads_cpf") != std::string_view::npos;
-}
-
-std::optional<std::filesystem::path> ariaTrajectoryBeside(const std::filesystem::path& gaze) {
+/// closed_loop_trajectory.csv, packed or not: beside a recording of gaze, or in the folder slam or
+/// trajectory beside its folder.
+std::optional<std::filesystem::path> trajectoryBeside(const std::filesystem::path& gaze) {
   const std::filesystem::path folder = gaze.parent_path();
   for (const auto& place : {folder, folder / ".." / "slam", folder / ".." / "trajectory"}) {
     for (const char* name : {"closed_loop_trajectory.csv", "closed_loop_trajectory.csv.gz"}) {
@@ -55,44 +50,70 @@ std::optional<std::filesystem::path> ariaTrajectoryBeside(const std::filesystem:
   return std::nullopt;
 }
 
+/// Where the head is, in the frame of the scene's points (global_points.csv).
+class AriaTrajectory {
+ public:
+  /// The trajectory is that of a camera. The place of the eyes' frame (CPF) in the camera's frame
+  /// is known from the glasses' drawings, which differ for the two generations.
+  /// @param header  of the table of gaze
+  /// @throws InputError
+  AriaTrajectory(const std::filesystem::path& file, std::string_view header);
+
+  /// Between the poses around a time: the place linearly, the orientation along the shortest arc.
+  /// Nothing beside the trajectory, or in a gap of over 0.1 s.
+  std::optional<HeadInWorld> at(double time_s) const;
+
+  /// Whose drawings were taken, for reports.
+  std::string assumed() const {
+    return std::string(
+               "head: the trajectory's camera lies before the eyes as in the drawings of ") +
+           (first_generation_ ? "Aria Gen 1, size L" : "Aria Gen 2, size LL");
+  }
+
+ private:
+  struct Pose {
+    double time_s = 0.0;
+    HeadInWorld head{};
+  };
+
+  bool first_generation_;
+  std::vector<Pose> poses_{};
+};
+
 AriaTrajectory::AriaTrajectory(const std::filesystem::path& file, std::string_view header)
     : first_generation_(header.find("left_pitch_rads_cpf") == std::string_view::npos) {
   const HeadInWorld device_from_head =
       deviceFromHead(first_generation_ ? kFirstGeneration : kSecondGeneration);
   LineReader lines(file);
-  std::string_view line;
-  std::vector<std::string_view> fields;
-  lines.next(line);
-  splitFields(line, ',', fields);
+  TextRows rows(lines);
   constexpr std::array<const char*, 8> kNames = {
       "tracking_timestamp_us", "tx_world_device", "ty_world_device", "tz_world_device",
       "qx_world_device",       "qy_world_device", "qz_world_device", "qw_world_device"};
   std::array<std::size_t, kNames.size()> at{};
   std::size_t end = 0;
   for (std::size_t i = 0; i < kNames.size(); ++i) {
-    const auto found = std::ranges::find(fields, std::string_view(kNames[i]));
-    if (found == fields.end()) {
-      throw lines.error(std::string("expected a column ") + kNames[i] + ", as in Aria's " +
-                        "closed_loop_trajectory.csv");
+    const auto found = std::ranges::find(rows.names(), kNames[i]);
+    if (found == rows.names().end()) {
+      throw rows.error(std::string("expected a column ") + kNames[i] + ", as in Aria's " +
+                       "closed_loop_trajectory.csv");
     }
-    at[i] = static_cast<std::size_t>(found - fields.begin());
+    at[i] = static_cast<std::size_t>(found - rows.names().begin());
     end = std::max(end, at[i] + 1);
   }
-  while (lines.next(line)) {
-    splitFields(line, ',', fields, end);
+  rows.limitTo(end);
+  while (rows.next()) {
     std::array<double, kNames.size()> v{};
     for (std::size_t i = 0; i < v.size(); ++i) {
-      const std::string_view text = at[i] < fields.size() ? fields[at[i]] : std::string_view();
-      const auto swift = swiftNumber(text);
-      const auto value = swift ? swift : parseNumber(text);
-      if (!value && !lines.isEnded()) return;  // the last line is cut off
+      const std::string_view text = at[i] < rows.size() ? rows.text(at[i]) : std::string_view();
+      const auto value = fieldNumber(text);
+      if (!value && rows.mayBeCut()) return;  // the last line is cut off
       if (!value)
-        throw lines.error(std::string(kNames[i]) + " = " + shown(text) + ": expected a number");
+        throw rows.error(std::string(kNames[i]) + " = " + shown(text) + ": expected a number");
       v[i] = *value;
     }
     const glm::dquat q(v[7], v[4], v[5], v[6]);
     if (std::abs(glm::length(q) - 1.0) > kUnitQuaternionSlack) {
-      throw lines.error("qx_world_device to qw_world_device: expected a quaternion of length 1");
+      throw rows.error("qx_world_device to qw_world_device: expected a quaternion of length 1");
     }
     const double time_s = kMicrosecond_s * v[0];
     if (!poses_.empty() && time_s <= poses_.back().time_s) continue;
@@ -118,9 +139,46 @@ std::optional<HeadInWorld> AriaTrajectory::at(double time_s) const {
       .world_from_head = glm::slerp(a.head.world_from_head, b.head.world_from_head, share)};
 }
 
-std::string AriaTrajectory::assumed() const {
-  return std::string("head: the trajectory's camera lies before the eyes as in the drawings of ") +
-         (first_generation_ ? "Aria Gen 1, size L" : "Aria Gen 2, size LL");
+bool isAria(const RecordingFile& file) {
+  const std::string_view header = file.firstLine();
+  return file.isUndescribed() && !file.columns().space.hasHead() &&
+         header.starts_with("tracking_timestamp_us,") &&
+         header.find("yaw_rads_cpf") != header.npos && trajectoryBeside(file.path());
 }
+
+/// Gaze has no place in the world while the head has none.
+TraceHeader readAria(const RecordingFile& file, const Screen&, const TakeSample& take) {
+  const AriaTrajectory trajectory(*trajectoryBeside(file.path()), file.firstLine());
+  std::size_t lost = 0;
+  LineReader lines(file.path());
+  TextRows rows(lines);
+  TraceHeader header = readRows(rows, file.columns(), {}, [&](const GazeSample& gaze) {
+    GazeSample sample = gaze;
+    sample.head = trajectory.at(sample.time_s);
+    if (!sample.head) {
+      ++lost;
+      sample.point_px.reset();
+      sample.direction.reset();
+      for (EyeSample& eye : sample.eyes) eye.direction.reset();
+    }
+    take(sample);
+  });
+  header.world_y_up = false;
+  header.assumed.push_back(trajectory.assumed());
+  if (lost > 0) {
+    header.warnings.push_back(std::to_string(lost) +
+                              " samples lie beside the trajectory, so their gaze is left out");
+  }
+  return header;
+}
+
+}  // namespace
+
+const RecordingFormat kAria{
+    .is = isAria,
+    .read = readAria,
+    .companions =
+        [](const std::filesystem::path& file) { return std::vector{*trajectoryBeside(file)}; },
+    .preview = [](const std::filesystem::path&) { return SpacePreview{.has_head = true}; }};
 
 }  // namespace foci

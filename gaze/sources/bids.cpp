@@ -1,4 +1,13 @@
-#include "gaze/sources/bids.h"
+// Eye tracking in the Brain Imaging Data Structure (BIDS 1.11): *_physio.tsv.gz without a header
+// line, described by JSON files beside it and higher up in the data set. The columns are timestamp,
+// x_coordinate, y_coordinate, pupil_size and blink, with the metadata's units. Names that begin
+// with left_ or right_ belong to one eye, and so do all columns if RecordedEye is left or right. A
+// pupil that is not in millimetres keeps its unit. The screen is that of StimulusPresentation in
+// _events.json, in older data sets in _physio.json. Positions count from ScreenOrigin: a corner of
+// the screen, or its centre with y up.
+//
+// With a recording of the other eye, samples have both eyes if their times agree within half of an
+// interval; their point is the `Cyclopean` point.
 
 #include <algorithm>
 #include <array>
@@ -9,6 +18,7 @@
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/bids_metadata.h"
 #include "gaze/sources/read_rows.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -281,14 +291,8 @@ TraceHeader readBothEyes(const fs::path& file, const BidsMetadata& metadata, con
   return header;
 }
 
-}  // namespace
-
-std::vector<fs::path> bidsMetadataOf(const fs::path& file) {
-  const auto metadata = bidsMetadata(file);
-  return metadata ? metadata->files : std::vector<fs::path>{};
-}
-
-std::optional<fs::path> bidsOtherEyeOf(const fs::path& file) {
+/// The recording of the other eye: `recording-eye2` beside `recording-eye1`, or the reverse.
+std::optional<fs::path> otherEyeOf(const fs::path& file) {
   for (const auto& [one, two] : kEyes) {
     for (const auto& [own, theirs] : {std::pair(one, two), std::pair(two, one)}) {
       std::string name = file.filename().string();
@@ -302,14 +306,37 @@ std::optional<fs::path> bidsOtherEyeOf(const fs::path& file) {
   return std::nullopt;
 }
 
-TraceHeader readBids(const fs::path& file, const TraceColumns& described,
-                     const Screen& fallback_screen, const TakeSample& take) {
+TraceHeader readBids(const RecordingFile& recording, const Screen& fallback_screen,
+                     const TakeSample& take) {
+  const fs::path& file = recording.path();
+  const TraceColumns& described = recording.columns();
   const auto metadata = bidsMetadata(file);
   requireRows(file, *metadata);
-  const auto other = bidsOtherEyeOf(file);
+  const auto other = otherEyeOf(file);
   if (!other) return readEye(file, *metadata, described, fallback_screen, take);
   return readBothEyes(file, *metadata, *other, *bidsMetadata(*other), described, fallback_screen,
                       take);
 }
+
+std::vector<fs::path> bidsCompanionsOf(const fs::path& file) {
+  std::vector<fs::path> companions = bidsMetadata(file)->files;
+  if (const auto other = otherEyeOf(file)) {
+    companions.push_back(*other);
+    const auto of_other = bidsMetadata(*other);
+    for (const fs::path& metadata : of_other->files) {
+      if (std::ranges::find(companions, metadata) == companions.end()) {
+        companions.push_back(metadata);
+      }
+    }
+  }
+  return companions;
+}
+
+}  // namespace
+
+const RecordingFormat kBids{
+    .is = [](const RecordingFile& file) { return bidsMetadata(file.path()).has_value(); },
+    .read = readBids,
+    .companions = bidsCompanionsOf};
 
 }  // namespace foci

@@ -98,15 +98,16 @@ glm::dvec2 pairIn(const Json& json, const char* key, double low, double high) {
   return result;
 }
 
-}  // namespace
-
-std::optional<std::string> bidsStemOf(const fs::path& file) {
+/// The name without its folder and without _physio.tsv or _physio.tsv.gz; nothing for another one.
+std::optional<std::string> stemOf(const fs::path& file) {
   const std::string name = file.filename().string();
   for (const std::string_view ending : {"_physio.tsv.gz", "_physio.tsv"}) {
     if (name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
   }
   return std::nullopt;
 }
+
+}  // namespace
 
 std::string BidsMetadata::text(const char* key) const {
   const auto found = physio.find(key);
@@ -144,7 +145,7 @@ std::string BidsMetadata::unitOf(const std::string& column) const {
 }
 
 std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {
-  const auto stem = bidsStemOf(file);
+  const auto stem = stemOf(file);
   if (!stem) return std::nullopt;
   BidsMetadata metadata{.physio = Json::object()};
   bool any = false;

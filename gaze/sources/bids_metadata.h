@@ -29,7 +29,4 @@ struct BidsMetadata {
 /// @throws InputError if a JSON file cannot be read
 std::optional<BidsMetadata> bidsMetadata(const std::filesystem::path& file);
 
-/// The name without its folder and without _physio.tsv or _physio.tsv.gz; nothing for another one.
-std::optional<std::string> bidsStemOf(const std::filesystem::path& file);
-
 }  // namespace foci

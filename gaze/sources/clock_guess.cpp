@@ -1,5 +1,4 @@
-#include "gaze/sources/clock_guess.h"
-
+// The unit of time of a table that does not state it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "base/quantile.h"
 #include "base/text.h"
+#include "gaze/sources/row_times.h"
 
 namespace foci {
 namespace {
@@ -172,12 +172,6 @@ ClockGuess guessClock(const std::vector<GazeSample>& samples) {
             .is_open = !dwell};
   }
   return guessOfInterval(interval, isWhole(samples), samples);
-}
-
-void stateClockGuess(const ClockGuess& guess, TraceHeader& header) {
-  header.assumed.push_back("unit of time: " + exactText(guess.scale_s) + " s, from " +
-                           (guess.why.empty() ? "the rate" : guess.why) + " (gaze.time_scale_s)");
-  if (!guess.doubt.empty()) header.warnings.push_back(guess.doubt);
 }
 
 }  // namespace foci

@@ -1,8 +1,6 @@
 #include "gaze/sources/column_names.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -14,44 +12,27 @@ namespace foci {
 namespace {
 
 /// Names of angles whose unit is not told.
-constexpr std::array<std::string_view, 8> kAngles = {
-    "yaw", "pitch", "gazeyaw", "gazepitch", "azimuth", "elevation", "gazeazimuth", "gazeelevation"};
+constexpr std::string_view kAngles =
+    "yaw pitch gazeyaw gazepitch azimuth elevation gazeazimuth gazeelevation";
 
 /// The short form of a unit as vendors write it; empty for any other word.
 std::string unitOf(std::string_view word) {
-  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {{"s", "s"},
-                                                                             {"sec", "s"},
-                                                                             {"seconds", "s"},
-                                                                             {"ms", "ms"},
-                                                                             {"msec", "ms"},
-                                                                             {"milliseconds", "ms"},
-                                                                             {"us", "us"},
-                                                                             {"usec", "us"},
-                                                                             {"ns", "ns"},
-                                                                             {"px", "px"},
-                                                                             {"pix", "px"},
-                                                                             {"pixel", "px"},
-                                                                             {"pixels", "px"},
-                                                                             {"deg", "deg"},
-                                                                             {"dva", "deg"},
-                                                                             {"degree", "deg"},
-                                                                             {"degrees", "deg"},
-                                                                             {"norm", "norm"},
-                                                                             {"mm", "mm"},
-                                                                             {"cm", "cm"},
-                                                                             {"m", "m"},
-                                                                             {"normalised", "norm"},
-                                                                             {"normalized", "norm"},
-                                                                             {"rad", "rad"},
-                                                                             {"radians", "rad"},
-                                                                             {"%", "%"},
-                                                                             {"percent", "%"},
-                                                                             {"pct", "%"},
-                                                                             {"a.u.", "a.u."},
-                                                                             {"au", "a.u."},
-                                                                             {"arbitrary", "a.u."}};
-  for (const auto& [text, unit] : kUnits) {
-    if (word == text) return std::string(unit);
+  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+      {"s", "s sec seconds"},
+      {"ms", "ms msec milliseconds"},
+      {"us", "us usec"},
+      {"ns", "ns"},
+      {"px", "px pix pixel pixels"},
+      {"deg", "deg dva degree degrees"},
+      {"norm", "norm normalised normalized"},
+      {"mm", "mm"},
+      {"cm", "cm"},
+      {"m", "m"},
+      {"rad", "rad radians"},
+      {"%", "% percent pct"},
+      {"a.u.", "a.u. au arbitrary"}};
+  for (const auto& [unit, words] : kUnits) {
+    if (isWordOf(words, word)) return std::string(unit);
   }
   return {};
 }
@@ -83,21 +64,22 @@ bool takeNorm(std::string& key) {
   return false;
 }
 
-std::string lowerCase(std::string_view text) {
-  std::string lower;
+/// In lower case, with u for the sign of micro.
+std::string spelledPlainly(std::string_view text) {
+  std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool micro =
         text.substr(i).starts_with("\xce\xbc") || text.substr(i).starts_with("\xc2\xb5");
-    lower += micro ? 'u' : static_cast<char>(std::tolower(static_cast<unsigned char>(text[i])));
+    plain += micro ? 'u' : lowerCase(text[i]);
     i += micro;
   }
-  return lower;
+  return plain;
 }
 
 }  // namespace
 
 ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
-  std::string lower = lowerCase(text);
+  std::string lower = spelledPlainly(text);
   Name name;
   const std::size_t bracket = lower.find_first_of("[(");
   if (bracket != std::string::npos && bracket > 0) {
@@ -126,13 +108,53 @@ ColumnNames::ColumnNames(const Place& place, const std::vector<std::string>& nam
   for (const std::string_view text : texts_) names_.push_back(nameOf(text));
 }
 
-std::optional<std::size_t> ColumnNames::find(Keys keys) const {
-  for (const std::string_view key : keys) {
-    for (std::size_t i = 0; i < names_.size(); ++i) {
-      if (names_[i].key == key) return i;
+std::string keysOf(std::string_view pattern, std::size_t side, char axis) {
+  const std::string eye = side == 0 ? "left" : "right";
+  std::string keys;
+  for (std::size_t at = 0; at < pattern.size(); ++at) {
+    if (pattern.substr(at).starts_with("EYE")) {
+      keys += eye;
+      at += 2;
+    } else if (pattern[at] == 'E') {
+      keys += eye[0];
+    } else {
+      keys += pattern[at] == 'A' ? axis : pattern[at];
     }
   }
+  return keys;
+}
+
+bool isWordOf(std::string_view words, std::string_view word) {
+  for (std::size_t at = words.find(word); !word.empty() && at != words.npos;
+       at = words.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || words[at - 1] == ' ') && (end == words.size() || words[end] == ' '))
+      return true;
+  }
+  return false;
+}
+
+template <class Wanted>
+std::optional<std::size_t> ColumnNames::findIf(std::string_view keys, const Wanted& wanted) const {
+  while (!keys.empty()) {
+    const std::string_view key = keys.substr(0, keys.find(' '));
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (names_[i].key == key && wanted(i)) return i;
+    }
+    keys.remove_prefix(std::min(key.size() + 1, keys.size()));
+  }
   return std::nullopt;
+}
+
+std::optional<std::size_t> ColumnNames::find(std::string_view keys) const {
+  return findIf(keys, [](std::size_t) { return true; });
+}
+
+std::optional<std::size_t> ColumnNames::findPosition(std::string_view keys) const {
+  return findIf(keys, [&](std::size_t column) {
+    return !names_[column].of_media &&
+           (unit(column).empty() || isWordOf("px deg norm", unit(column)));
+  });
 }
 
 std::size_t ColumnNames::named(const std::string& name) const {
@@ -158,29 +180,14 @@ void ColumnNames::refuseTwin(std::size_t column) const {
                      std::to_string(column + 1) + "\"");
 }
 
-bool ColumnNames::isPosition(std::size_t column) const {
-  const std::string& unit = names_[column].unit;
-  return !names_[column].of_media &&
-         (unit.empty() || unit == "px" || unit == "deg" || unit == "norm");
-}
-
-std::optional<std::size_t> ColumnNames::findPosition(Keys keys) const {
-  for (const std::string_view key : keys) {
-    for (std::size_t i = 0; i < names_.size(); ++i) {
-      if (names_[i].key == key && isPosition(i)) return i;
-    }
-  }
-  return std::nullopt;
-}
-
 /// Whether the name hints at the meaning. Axes come in pairs: "LPOGX" is one of "LPOGX", "LPOGY".
 bool ColumnNames::mayBe(Meaning meaning, std::size_t column) const {
-  const std::string lower = lowerCase(texts_[column]);
+  const std::string lower = spelledPlainly(texts_[column]);
   const auto has = [&](std::string_view part) { return lower.find(part) != std::string::npos; };
   if (meaning == Meaning::time) {
     const std::string& unit = names_[column].unit;
-    return has("time") || has("stamp") || has("clock") || has("tick") || unit == "s" ||
-           unit == "ms" || unit == "us" || unit == "ns";
+    return has("time") || has("stamp") || has("clock") || has("tick") ||
+           isWordOf("s ms us ns", unit);
   }
   if (has(meaning == Meaning::x ? "horiz" : "vert")) return true;
   if (has(meaning == Meaning::x ? "azimuth" : "elevation")) return true;
@@ -189,7 +196,7 @@ bool ColumnNames::mayBe(Meaning meaning, std::size_t column) const {
     std::string pair = lower;
     pair[at] = other;
     if (std::any_of(texts_.begin(), texts_.end(),
-                    [&](std::string_view text) { return lowerCase(text) == pair; })) {
+                    [&](std::string_view text) { return spelledPlainly(text) == pair; })) {
       return true;
     }
   }
@@ -223,7 +230,7 @@ std::string ColumnNames::otherKind() const {
     return "the column webgazer_data holds the samples of a trial as JSON: write them as a table, "
            "t, x and y of a sample in each row";
   }
-  if (find({"fixationx", "fixationpointx"}) || find({"starttimestamp"})) {
+  if (find("fixationx fixationpointx starttimestamp")) {
     return "the rows are fixations or events: export the samples of gaze";
   }
   if (const std::string directions =
@@ -233,9 +240,7 @@ std::string ColumnNames::otherKind() const {
            " are directions in space: name x, y and z in a study with gaze.direction = [...], and "
            "set gaze.axes and gaze.frame";
   }
-  const auto isAngle = [&](std::size_t i) {
-    return std::find(kAngles.begin(), kAngles.end(), names_[i].key) != kAngles.end();
-  };
+  const auto isAngle = [&](std::size_t i) { return isWordOf(kAngles, names_[i].key); };
   if (const std::string angles = listed(isAngle); !angles.empty()) {
     return "the columns " + angles +
            " are angles: name them in a study with gaze.angles = [to the right, upwards], or with "
@@ -244,7 +249,7 @@ std::string ColumnNames::otherKind() const {
   return "";
 }
 
-InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
+InputError ColumnNames::missing(Meaning meaning, std::string_view keys) const {
   const std::string option = meaning == Meaning::time ? "time" : meaning == Meaning::x ? "x" : "y";
   const std::string what = "no column " + shown(option) + ": ";
   if (!texts_.empty() && parseNumber(texts_[0])) {

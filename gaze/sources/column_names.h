@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <initializer_list>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,12 +11,17 @@
 
 namespace foci {
 
+/// Whether a text, of words with blanks between them, has a word.
+bool isWordOf(std::string_view words, std::string_view word);
+
+/// The keys of one eye and one axis. In a pattern, EYE is "left" or "right", E is "l" or "r", and A
+/// is the axis.
+std::string keysOf(std::string_view pattern, std::size_t side, char axis = 'x');
+
 /// The names of a table's columns. Each name is split into a key and a unit:
 /// "Gaze point X [DACS px]" has the key "gazepointx" and the unit "px".
 class ColumnNames {
  public:
-  using Keys = std::span<const std::string_view>;
-
   /// @param place  for errors; outlives the object
   /// @param names  outlive the object
   /// @throws InputError with more than 4096 columns
@@ -33,22 +36,16 @@ class ColumnNames {
   /// A name that contains "norm" has the unit "norm".
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
   /// Whether positions are lengths or per cent, which only gaze.scale converts.
-  bool needsScale(std::size_t column) const {
-    return unit(column) == "mm" || unit(column) == "cm" || unit(column) == "m" ||
-           unit(column) == "%";
-  }
+  bool needsScale(std::size_t column) const { return isWordOf("mm cm m %", unit(column)); }
   /// Whether the column counts from the presented media, not from the screen (Tobii's MCS).
   bool ofMedia(std::size_t column) const { return names_[column].of_media; }
 
-  /// The column of the first key that the table has.
-  std::optional<std::size_t> find(Keys keys) const;
-  std::optional<std::size_t> find(std::initializer_list<std::string_view> keys) const {
-    return find(Keys(keys.begin(), keys.size()));
-  }
+  /// The column of the first key that the table has. @param keys  separated by blanks
+  std::optional<std::size_t> find(std::string_view keys) const;
 
   /// The first column of such a key that may be a position on the screen: no length, no time, not
   /// on the presented media.
-  std::optional<std::size_t> findPosition(Keys keys) const;
+  std::optional<std::size_t> findPosition(std::string_view keys) const;
 
   /// The column with exactly this name, or with this number ("#1" is the first).
   /// @throws InputError that names the nearest column
@@ -62,7 +59,7 @@ class ColumnNames {
   /// The error for a column that was not found: it lists the columns that may be it, and says how
   /// to name one.
   /// @param keys  the usual ones
-  InputError missing(Meaning meaning, Keys keys) const;
+  InputError missing(Meaning meaning, std::string_view keys) const;
   /// The error for a position in radians: it says how to convert them.
   InputError inRadians(std::size_t column) const;
 
@@ -71,7 +68,8 @@ class ColumnNames {
     std::string key, unit;
     bool of_media = false;
   };
-  bool isPosition(std::size_t column) const;
+  template <class Wanted>
+  std::optional<std::size_t> findIf(std::string_view keys, const Wanted& wanted) const;
   std::string otherKind() const;
   bool mayBe(Meaning meaning, std::size_t column) const;
   static Name nameOf(std::string_view text);

@@ -1,8 +1,10 @@
-#include "gaze/sources/eyelink_asc.h"
-
+// EyeLink ASC, the text format that edf2asc writes. Samples are passed on a good second late,
+// because the end of a blink decides whether it is one. The file gives the screen's size in pixels
+// only, from GAZE_COORDS or else DISPLAY_COORDS, and each block may have another. Points are on the
+// first one's pixels: all of them fill the same screen. Messages become markers and trials, after
+// the rules of Data Viewer (TRIALID, TRIAL_RESULT, !V TRIAL_VAR).
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <deque>
@@ -15,6 +17,8 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -236,9 +240,7 @@ class AscReader {
   void readCalibration(double time_s, std::size_t at) {
     TrackerCalibration result{.time_s = time_s};
     const auto lower = [&](std::size_t word) {
-      std::string text(word < words_.size() ? words_[word] : "");
-      for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      return text;
+      return lowerCase(word < words_.size() ? words_[word] : "");
     };
     result.kind = lower(at);
     if (at + 1 < words_.size()) result.targets = words_[at + 1];
@@ -377,12 +379,7 @@ class AscReader {
   double last_stamp_ms_ = -1.0, time_ms_ = -1.0;
 };
 
-}  // namespace
-
-bool startsEyeLinkAsc(std::string_view line) {
-  return line.starts_with("** ") || line.starts_with("MSG\t") || line.starts_with("START\t");
-}
-
+/// A sample: an integer time, numbers, and flags such as "..." or ".C.".
 bool isEyeLinkSample(std::string_view line) {
   constexpr std::size_t kFewest = 5;
   std::vector<std::string_view> words;
@@ -392,8 +389,20 @@ bool isEyeLinkSample(std::string_view line) {
          words.back().find_first_not_of(".CRIML") == std::string_view::npos;
 }
 
-TraceHeader readEyeLinkAsc(LineReader& lines, const TraceColumns& columns, const TakeSample& take) {
-  return AscReader(lines, columns, take).read();
+bool isEyeLinkAsc(const RecordingFile& file) {
+  const std::string& line = file.firstLine();
+  return line.starts_with("** ") || line.starts_with("MSG\t") || line.starts_with("START\t") ||
+         (file.isUndescribed() && isEyeLinkSample(line));
 }
+
+}  // namespace
+
+/// Of the study's columns, only `missing`, `scale` and `offset` count.
+const RecordingFormat kEyeLinkAsc{
+    .is = isEyeLinkAsc,
+    .read = [](const RecordingFile& file, const Screen&, const TakeSample& take) {
+      LineReader lines(file.path());
+      return AscReader(lines, file.columns(), take).read();
+    }};
 
 }  // namespace foci

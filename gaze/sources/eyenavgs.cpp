@@ -1,4 +1,12 @@
-#include "gaze/sources/eyenavgs.h"
+// EyeNavGS: walks through Gaussian scenes in a headset, with both eyes' gaze (Ding et al. 2025,
+// github.com/symmru/EyeNavGS_Rutgers_Dataset). Rows of the left and the right eye alternate; two of
+// them are a sample at the left row's time. FOV1 to FOV4 are the left, right, lower and upper
+// limits of the eye's view, radians, as signed angles. Gaze poses look along -z, in the scene's
+// axes. (0, 0, 0) with the unit quaternion means that the eye tracker was off.
+//
+// Places are in the scene's units. scene_setting.csv beside the file, or gaze.head_scale_m, says
+// how many metres a unit has. Its quaternion T turns the scene upright: T p is level. Poses are in
+// the scene's own axes, so T only shows which way is up.
 
 #include <array>
 #include <cmath>
@@ -7,9 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/recording_formats.h"
 #include "gaze/sources/space_layout.h"
 #include "gaze/sources/swift_number.h"
 
@@ -65,10 +74,10 @@ std::optional<SceneSetting> settingBeside(const std::filesystem::path& recording
     if (fields.size() != 4 || fields[0] != scene) continue;
     splitFields(fields[1], ',', parts);
     std::array<double, 4> q{};
-    const auto units_per_m = parseNumber(trimmed(fields[2]));
+    const auto units_per_m = fieldNumber(fields[2]);
     bool good = parts.size() == 4 && units_per_m && *units_per_m > 0.0;
     for (std::size_t i = 0; good && i < 4; ++i) {
-      const auto number = parseNumber(trimmed(parts[i]));
+      const auto number = fieldNumber(parts[i]);
       good = number.has_value();
       if (good) q[i] = *number;
     }
@@ -123,8 +132,7 @@ class EyeNavGsReader {
  private:
   double number(std::size_t column, double limit) const {
     const std::string_view text = fields_[column];
-    const auto swift = swiftNumber(text);
-    const auto value = swift ? swift : parseNumber(trimmed(text));
+    const auto value = fieldNumber(text);
     if (!value || !(std::abs(*value) <= limit)) {
       throw lines_.error("column " + std::to_string(column + 1) + " = " + shown(text) +
                          ": expected a number up to " + significant(limit));
@@ -282,19 +290,35 @@ class EyeNavGsReader {
   std::optional<InputError> cut_{};  // the latest line has too few fields
 };
 
-}  // namespace
-
-bool isEyeNavGs(std::string_view header) { return trimmed(header) == kHeader; }
-
-std::optional<double> eyeNavGsSceneScale_m(const std::filesystem::path& recording) {
-  const auto setting = settingBeside(recording);
-  return setting ? std::optional(1.0 / setting->units_per_m) : std::nullopt;
-}
-
-TraceHeader readEyeNavGs(LineReader& lines, const TraceColumns& columns, const TakeSample& take) {
+TraceHeader readEyeNavGs(const RecordingFile& file, const Screen&, const TakeSample& take) {
+  LineReader lines(file.path());
   std::string_view header;
   lines.next(header);
-  return EyeNavGsReader(lines, columns, take).read();
+  return EyeNavGsReader(lines, file.columns(), take).read();
 }
+
+SpacePreview previewEyeNavGs(const std::filesystem::path& file) {
+  const auto setting = settingBeside(file);
+  return {.has_head = true,
+          .scene_scale_m = setting ? std::optional(1.0 / setting->units_per_m) : std::nullopt};
+}
+
+std::vector<std::filesystem::path> settingsOf(const std::filesystem::path& file) {
+  std::error_code unreadable;
+  const std::filesystem::path setting = file.parent_path() / "scene_setting.csv";
+  if (!std::filesystem::is_regular_file(setting, unreadable)) return {};
+  return {setting};
+}
+
+}  // namespace
+
+const RecordingFormat kEyeNavGs{.is =
+                                    [](const RecordingFile& file) {
+                                      return file.isUndescribed() &&
+                                             trimmed(file.firstLine()) == kHeader;
+                                    },
+                                .read = readEyeNavGs,
+                                .companions = settingsOf,
+                                .preview = previewEyeNavGs};
 
 }  // namespace foci

@@ -1,13 +1,13 @@
-// Magic numbers are those of file(1) and of each format's own description.
-#include "gaze/sources/file_kind.h"
+// Recognises files that are no recording as text, by their first bytes. Magic numbers are those of
+// file(1) and of each format's own description.
 
 #include <zlib.h>
 
 #include <array>
-#include <cctype>
 
+#include "base/file.h"
 #include "base/input_error.h"
-#include "base/text.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -65,12 +65,6 @@ constexpr Magic kMagics[] = {
     {"ply\r"sv, "a scene (PLY)", "give it as --scene; a recording holds gaze"},
 };
 
-std::string lowerEnding(const std::filesystem::path& name) {
-  std::string ending = name.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
-}
-
 bool looksBinary(std::string_view start) { return start.find('\0') != std::string_view::npos; }
 
 std::string kindText(const char* kind, const char* advice) {
@@ -99,7 +93,7 @@ std::optional<std::string> otherFileKind(std::string_view start,
   if (first != std::string_view::npos && start[first] == '{') {
     return kindText("a JSON file", "expected a table; from Tobii Pro Glasses export it in Pro Lab");
   }
-  const std::string ending = lowerEnding(name);
+  const std::string ending = lowerExtension(name);
   if (ending == ".idf") {
     return kindText("an SMI IDF file", "convert it to text with SMI's IDF Converter or BeGaze");
   }

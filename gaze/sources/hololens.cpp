@@ -1,4 +1,7 @@
-#include "gaze/sources/hololens.h"
+// HoloLens 2: *_head_hand_eye.csv of Microsoft's Stream Recorder (HoloLens2ForCV). A row has the
+// time in 100 ns and the head's transform to the world (4 x 4, row by row). For each hand a flag
+// and 26 transforms follow. Then come a flag for gaze, its origin and direction (4 numbers each),
+// and its distance. The world is right-handed with y up, in metres; gaze is in the world.
 
 #include <algorithm>
 #include <array>
@@ -6,9 +9,10 @@
 #include <optional>
 #include <vector>
 
-#include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/recording_formats.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {
@@ -46,8 +50,7 @@ class HoloLensReader {
 
  private:
   double number(std::size_t column) const {
-    const auto swift = swiftNumber(fields_[column]);
-    const auto value = swift ? swift : parseNumber(trimmed(fields_[column]));
+    const auto value = fieldNumber(fields_[column]);
     if (!value) {
       throw lines_.error("column " + std::to_string(column + 1) + " = " + shown(fields_[column]) +
                          ": expected a number");
@@ -140,17 +143,23 @@ class HoloLensReader {
   bool cut_ = false;  // the previous line had too few fields
 };
 
+/// The table has no header: its 861 numbers a row tell it.
+bool isHoloLens(const RecordingFile& file) {
+  std::vector<std::string_view> fields;
+  splitFields(file.firstLine(), ',', fields);
+  return file.isUndescribed() && fields.size() == kFields && parseNumber(fields[0]) &&
+         parseNumber(fields[kGazeAt]);
+}
+
 }  // namespace
 
-bool isHoloLens(std::string_view first_line) {
-  std::vector<std::string_view> fields;
-  splitFields(first_line, ',', fields);
-  return fields.size() == kFields && parseNumber(trimmed(fields[0])) &&
-         parseNumber(trimmed(fields[kGazeAt]));
-}
-
-TraceHeader readHoloLens(LineReader& lines, const TraceColumns& columns, const TakeSample& take) {
-  return HoloLensReader(lines, columns, take).read();
-}
+const RecordingFormat kHoloLens{
+    .is = isHoloLens,
+    .read =
+        [](const RecordingFile& file, const Screen&, const TakeSample& take) {
+          LineReader lines(file.path());
+          return HoloLensReader(lines, file.columns(), take).read();
+        },
+    .preview = [](const std::filesystem::path&) { return SpacePreview{.has_head = true}; }};
 
 }  // namespace foci

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "base/text.h"
-#include "gaze/sources/line_reader.h"
-#include "gaze/sources/table_preamble.h"
+#include "gaze/sources/rows.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -34,37 +33,24 @@ LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen&
                                 const TraceColumns& described) {
   LabelledTrace labelled{.trace = readTrace(file, described, fallback_screen), .coders = {}};
   LineReader lines(file);
-  std::string_view line;
-  std::vector<std::string_view> fields;
+  TextRows rows(lines);
   std::vector<std::size_t> columns;
   std::vector<std::string> first_words;
-  TablePreamble preamble;
-  char delimiter = ',';
-  while (lines.next(line)) {
-    if (trimmed(line).empty() || line.starts_with('#')) continue;
-    if (!columns.empty()) {
-      splitRow(line, delimiter, fields);
-      for (std::size_t i = 0; i < columns.size(); ++i) {
-        if (columns[i] >= fields.size()) throw lines.error("a label is missing");
-        if (first_words.size() == i) first_words.emplace_back(fields[columns[i]]);
-        labelled.coders[i].labels.push_back(stateNamed(fields[columns[i]]));
-      }
-      continue;
-    }
-    if (readSeparatorLine(line, preamble)) continue;
-    delimiter = delimiterOf(line, preamble);
-    splitRow(line, delimiter, fields);
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      if (fields[i] != "coder" && fields[i] != "label" && !fields[i].starts_with("coder_")) {
-        continue;
-      }
-      columns.push_back(i);
-      labelled.coders.push_back({.name = std::string(fields[i])});
-    }
-    if (columns.empty()) throw lines.error("no column coder, coder_NAME or label");
+  for (std::size_t i = 0; i < rows.names().size(); ++i) {
+    const std::string& name = rows.names()[i];
+    if (name != "coder" && name != "label" && !name.starts_with("coder_")) continue;
+    columns.push_back(i);
+    labelled.coders.push_back({.name = name});
   }
-  if (labelled.coders.empty() ||
-      labelled.coders[0].labels.size() != labelled.trace.samples.size()) {
+  if (columns.empty()) throw rows.error("no column coder, coder_NAME or label");
+  while (rows.next()) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (columns[i] >= rows.size()) throw rows.error("a label is missing");
+      if (first_words.size() == i) first_words.emplace_back(rows.text(columns[i]));
+      labelled.coders[i].labels.push_back(stateNamed(rows.text(columns[i])));
+    }
+  }
+  if (labelled.coders[0].labels.size() != labelled.trace.samples.size()) {
     throw InputError(file.string(), "labels: expected one for every sample");
   }
   for (std::size_t i = 0; i < columns.size(); ++i) {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/text.h"
-#include "gaze/sources/packed_file.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {
@@ -17,27 +16,9 @@ namespace {
 constexpr std::size_t kMaxLine_B = 64 * 1024;      // far above the line of any tracker
 constexpr std::size_t kBuffer_B = 4 * kMaxLine_B;  // large enough that refills cost nothing
 
-// A packed recording is unpacked to about 5 times its size; a file that packs some bytes again and
-// again reaches a thousand times.
-constexpr std::int64_t kMaxUnpacked = 100;
-constexpr std::int64_t kUnpackedAnyway_B = std::int64_t{64} << 20;
-
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-bool equalsIgnoringCase(std::string_view a, std::string_view lower) {
-  return std::equal(a.begin(), a.end(), lower.begin(), lower.end(), [](char x, char y) {
-    return std::tolower(static_cast<unsigned char>(x)) == y;
-  });
-}
-
 }  // namespace
-
-void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
-                            std::int64_t packed_B) {
-  if (unpacked_B > kUnpackedAnyway_B && unpacked_B / kMaxUnpacked > packed_B) {
-    throw InputError(file, "unpacks to more than 100 times its size: expected a recording");
-  }
-}
 
 struct LineReader::Input {
   std::optional<PackedFile> file{};  // absent: all is in the buffer
@@ -105,6 +86,18 @@ bool LineReader::next(std::string_view& line) {
 
 InputError LineReader::error(const std::string& what) const {
   return InputError(name_ + ":" + std::to_string(number_), what);
+}
+
+char lowerCase(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = lowerCase(c);
+  return lower;
+}
+
+bool equalsIgnoringCase(std::string_view text, std::string_view lower) {
+  return std::ranges::equal(text, lower, [](char a, char b) { return lowerCase(a) == b; });
 }
 
 bool isAbsent(std::string_view field) {

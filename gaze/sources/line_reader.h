@@ -20,6 +20,25 @@ namespace foci {
 void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
                             std::int64_t packed_B);
 
+/// A file, plain or in gzip format (RFC 1952), byte by byte.
+class PackedFile {
+ public:
+  /// @throws InputError if it cannot be read
+  explicit PackedFile(const std::filesystem::path& file);
+  ~PackedFile();
+  PackedFile(const PackedFile&) = delete;
+  PackedFile& operator=(const PackedFile&) = delete;
+
+  /// @return the number of bytes read, at most `count`; 0 at the end
+  /// @throws InputError if a packed file is damaged or cut off, also in a later member, and if it
+  /// unpacks to far more than a recording does
+  std::size_t read(char* to, std::size_t count);
+
+ private:
+  struct State;  // zlib's
+  std::unique_ptr<State> state_;
+};
+
 /// A place in a recording that is being read.
 class Place {
  public:
@@ -67,6 +86,12 @@ class LineReader final : public Place {
   std::size_t number_ = 0;
   bool ended_ = true;
 };
+
+/// ASCII in lower case.
+char lowerCase(char c);
+std::string lowerCase(std::string_view text);
+/// @param lower  in lower case
+bool equalsIgnoringCase(std::string_view text, std::string_view lower);
 
 /// Whether a field means "no value": an empty field, ".", "-", NA, n/a, null, none, or NaN, also as
 /// programs on Windows print it ("-nan(ind)", "1.#QNAN").

@@ -18,8 +18,8 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
+#include "gaze/sources/lsl_stream.h"
 #include "gaze/sources/read_rows.h"
-#include "gaze/sources/xdf.h"
 
 namespace foci {
 

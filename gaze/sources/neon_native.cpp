@@ -1,4 +1,10 @@
-#include "gaze/sources/neon_native.h"
+// Neon's native recording folder, as the Companion app writes it (docs.pupil-labs.com/neon) and as
+// pl-neon-recording reads it. gaze_200hz.raw with .time where Pupil Cloud has computed it, else
+// `gaze psN.raw` for N = 1, 2, ..., begin each sample with x and y as 32-bit floats, pixels of the
+// scene camera; .time has nanoseconds as 64-bit integers; `worn` a byte, 0 where nobody wears the
+// glasses. `eye_state` has 14 floats and more: the left pupil's diameter (mm), the eyeball's centre
+// (mm) and the direction of its optical axis in the frame of the scene camera, then those of the
+// right eye. The columns get the names of Neon's exports.
 
 #include <algorithm>
 #include <bit>
@@ -11,6 +17,8 @@
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
+#include "gaze/sources/read_rows.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -169,8 +177,7 @@ std::vector<std::string> eyeColumns() {
   return columns;
 }
 
-}  // namespace
-
+/// The files that are read; none if `path` is no such folder, nor one of its files of gaze.
 std::vector<fs::path> neonNativeFiles(const fs::path& path) {
   const Folder folder(path);
   std::vector<fs::path> files;
@@ -188,16 +195,17 @@ std::vector<fs::path> neonNativeFiles(const fs::path& path) {
   return files;
 }
 
-NeonTable readNeonNative(const fs::path& path) {
+NumberRows neonRows(const fs::path& path) {
   const Folder folder(path);
-  NeonTable table{.columns = {"timestamp [ns]", "gaze x [px]", "gaze y [px]", "worn"}};
+  std::vector<std::string> columns{"timestamp [ns]", "gaze x [px]", "gaze y [px]", "worn"};
+  std::vector<double> values;
   NeonSamples eyes;
   for (const std::string& stem : folder.stemsOf("eye_state")) {
     appendPart(folder, stem, kEyeNumbers, eyes);
   }
   const bool has_eyes = std::ranges::is_sorted(eyes.times_ns) && !eyes.times_ns.empty();
   if (has_eyes) {
-    for (std::string& column : eyeColumns()) table.columns.push_back(std::move(column));
+    for (std::string& column : eyeColumns()) columns.push_back(std::move(column));
   }
   for (const std::string& stem : folder.gazeStems()) {
     NeonSamples gaze;
@@ -205,19 +213,39 @@ NeonTable readNeonNative(const fs::path& path) {
     const std::string worn = wornIn(folder, stem, gaze.times_ns.size());
     for (std::size_t i = 0; i < gaze.times_ns.size(); ++i) {
       const std::int64_t time_ns = gaze.times_ns[i];
-      table.values.push_back(static_cast<double>(time_ns));
-      table.values.push_back(static_cast<double>(gaze.numbers[2 * i]));
-      table.values.push_back(static_cast<double>(gaze.numbers[2 * i + 1]));
-      table.values.push_back(worn[i] == 0 ? 0.0 : 1.0);
+      values.push_back(static_cast<double>(time_ns));
+      values.push_back(static_cast<double>(gaze.numbers[2 * i]));
+      values.push_back(static_cast<double>(gaze.numbers[2 * i + 1]));
+      values.push_back(worn[i] == 0 ? 0.0 : 1.0);
       if (!has_eyes) continue;
       const auto eye = nearestTo(eyes.times_ns, time_ns);
       for (std::size_t k = 0; k < kEyeNumbers; ++k) {
-        table.values.push_back(eye ? static_cast<double>(eyes.numbers[*eye * kEyeNumbers + k])
-                                   : std::numeric_limits<double>::quiet_NaN());
+        values.push_back(eye ? static_cast<double>(eyes.numbers[*eye * kEyeNumbers + k])
+                             : std::numeric_limits<double>::quiet_NaN());
       }
     }
   }
-  return table;
+  return {path.string(), std::move(columns), std::move(values)};
 }
+
+TraceHeader readNeonNative(const RecordingFile& file, const Screen& fallback_screen,
+                           const TakeSample& take) {
+  NumberRows rows = neonRows(file.path());
+  TraceHeader header = readRows(rows, file.columns(), fallback_screen, take);
+  header.format = "Neon, native recording";
+  return header;
+}
+
+}  // namespace
+
+const RecordingFormat kNeonNative{
+    .is = [](const RecordingFile& file) { return !neonNativeFiles(file.path()).empty(); },
+    .read = readNeonNative,
+    .companions =
+        [](const fs::path& file) {
+          std::vector<fs::path> files = neonNativeFiles(file);
+          std::erase(files, file);
+          return files;
+        }};
 
 }  // namespace foci

@@ -1,5 +1,3 @@
-#include "gaze/sources/packed_file.h"
-
 #include <zlib.h>
 
 #include <algorithm>
@@ -8,16 +6,27 @@
 #include <string>
 #include <vector>
 
-#include "base/input_error.h"
 #include "gaze/sources/line_reader.h"
 
 namespace foci {
 namespace {
 
+// A packed recording is unpacked to about 5 times its size; a file that packs some bytes again and
+// again reaches a thousand times.
+constexpr std::int64_t kMaxUnpacked = 100;
+constexpr std::int64_t kUnpackedAnyway_B = std::int64_t{64} << 20;
+
 constexpr std::size_t kBlock_B = 128 * 1024;
 constexpr int kGzip = 16;  // of inflateInit2: gzip format alone
 
 }  // namespace
+
+void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
+                            std::int64_t packed_B) {
+  if (unpacked_B > kUnpackedAnyway_B && unpacked_B / kMaxUnpacked > packed_B) {
+    throw InputError(file, "unpacks to more than 100 times its size: expected a recording");
+  }
+}
 
 /// zlib's own reader of files takes a second member whose header is damaged for bytes to ignore, so
 /// a part of a recording would be missing.

@@ -1,11 +1,11 @@
-#include "gaze/sources/pupil_message.h"
-
+// One message of Pupil Core's network interface.
 #define MSGPACK_NO_BOOST
 #include <algorithm>
 #include <cmath>
 #include <msgpack.hpp>
 
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/sources/pupil_source.h"
 
 namespace foci {
 namespace {

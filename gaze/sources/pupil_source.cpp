@@ -7,7 +7,6 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
-#include "gaze/sources/pupil_message.h"
 
 namespace foci {
 namespace {

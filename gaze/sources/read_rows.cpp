@@ -9,8 +9,6 @@
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/row_times.h"
-#include "gaze/sources/rows_seen.h"
-#include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_row.h"
 
 namespace foci {
@@ -28,6 +26,46 @@ bool isMetric(const Screen& screen) {
   return screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
          screen.size_m.y > 0.0 && screen.distance_m > 0.0;
 }
+
+/// Judges positions without a stated unit.
+class PlainPositions {
+ public:
+  void add(const glm::dvec2& point_px) {
+    ++count_;
+    const bool whole = point_px == glm::floor(point_px);
+    tiny_ += !whole && glm::all(glm::lessThan(glm::abs(point_px), glm::dvec2(2.0)));
+    negative_ += point_px.x < 0.0 || point_px.y < 0.0;
+  }
+
+  /// No tracker looks at the corner pixel for half of a recording.
+  bool areFractions() const { return tiny_ >= 2 && 2 * tiny_ >= count_; }
+  bool areAroundZero() const { return count_ >= 20 && 4 * negative_ >= count_; }
+
+ private:
+  std::size_t count_ = 0, tiny_ = 0, negative_ = 0;
+};
+
+/// The decimals of each row's last number. A writer with a fixed number of them writes fewer only
+/// where the file is cut off.
+class LastDecimals {
+ public:
+  void add(std::string_view text) {
+    if (isAbsent(text)) return;
+    const std::size_t point = text.find_first_of(".,");
+    fixed_ = fixed_ && latest_ == usual_;
+    latest_ = point == text.npos ? 0 : text.size() - point - 1;
+    if (rows_++ == 0) usual_ = latest_;
+  }
+
+  /// In the latest row, if all rows before have the same number.
+  bool areFewer() const { return rows_ > kEnough && fixed_ && latest_ < usual_; }
+
+ private:
+  static constexpr std::size_t kEnough = 64;  // rows that end in no 0 by chance: a thousandth
+
+  std::size_t rows_ = 0, usual_ = 0, latest_ = 0;
+  bool fixed_ = true;
+};
 
 class RowReader {
  public:

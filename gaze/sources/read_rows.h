@@ -1,8 +1,8 @@
 // Rows of a recording as samples: its columns get a meaning, and each row becomes a sample.
 #pragma once
 
-#include "gaze/sources/row_groups.h"
 #include "gaze/sources/rows.h"
+#include "gaze/sources/table_layout.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {

@@ -1,4 +1,6 @@
-#include "gaze/sources/recorder_clock.h"
+// Times of a stream on the recorder's clock, after pyxdf (Boulay and others,
+// github.com/xdf-modules/pyxdf): split at resets of the stream's clock, a robust line through the
+// clock offsets of each part, even intervals.
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <stdexcept>
 
 #include "base/quantile.h"
+#include "gaze/sources/lsl_stream.h"
 
 namespace foci {
 namespace {

@@ -1,7 +1,6 @@
+// Whose rows a table holds: of several people, of one eye each, of other devices between the gaze.
 // The limits were chosen by hand. Only the first rows are judged; whoever reads on notices a second
 // person later.
-#include "gaze/sources/row_groups.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,7 +11,6 @@
 #include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
-#include "gaze/sources/rows.h"
 #include "gaze/sources/table_layout.h"
 
 namespace foci {
@@ -26,56 +24,21 @@ constexpr double kAlternates = 0.3;      // share of rows whose value is not tha
 constexpr double kFarApart = 5.0;        // times the distance within a group
 constexpr double kBetween = 1.5;         // usual intervals: no sample is lost in between
 
-constexpr std::string_view kPeople[] = {"participant",
-                                        "participantname",
-                                        "participantid",
-                                        "participantno",
-                                        "participantnumber",
-                                        "subject",
-                                        "subjectid",
-                                        "subjectname",
-                                        "subjectno",
-                                        "subjectnumber",
-                                        "sub",
-                                        "subj",
-                                        "subid",
-                                        "person",
-                                        "personid",
-                                        "user",
-                                        "userid",
-                                        "username",
-                                        "respondent",
-                                        "respondentname",
-                                        "respondentid",
-                                        "observer",
-                                        "observerid",
-                                        "pid",
-                                        "ppid",
-                                        "ppt",
-                                        "player",
-                                        "playerid",
-                                        "recording",
-                                        "recordingname",
-                                        "recordingid",
-                                        "recordingno"};
-constexpr std::string_view kDevices[] = {"sensor",   "sensortype",  "device",  "devicename",
-                                         "source",   "eventsource", "stream",  "streamname",
-                                         "modality", "datatype",    "rowtype", "sampletype"};
-
-std::string lower(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c != ' ' && c != '_')
-      result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  return result;
-}
+constexpr std::string_view kPeople =
+    "participant participantname participantid participantno participantnumber subject subjectid "
+    "subjectname subjectno subjectnumber sub subj subid person personid user userid username "
+    "respondent respondentname respondentid observer observerid pid ppid ppt player playerid "
+    "recording recordingname recordingid recordingno";
+constexpr std::string_view kDevices =
+    "sensor sensortype device devicename source eventsource stream streamname modality datatype "
+    "rowtype sampletype";
 
 /// 0: left, 1: right.
 std::optional<std::size_t> sideNamed(std::string_view value) {
-  const std::string word = lower(value);
-  if (word == "l" || word == "left" || word == "lefteye" || word == "os") return 0;
-  if (word == "r" || word == "right" || word == "righteye" || word == "od") return 1;
+  std::string word = lowerCase(value);
+  std::erase_if(word, [](char c) { return c == ' ' || c == '_'; });
+  if (isWordOf("l left lefteye os", word)) return 0;
+  if (isWordOf("r right righteye od", word)) return 1;
   return std::nullopt;
 }
 
@@ -92,7 +55,7 @@ class Survey {
   Survey(Rows& rows, const ColumnNames& names, const TableLayout& layout)
       : rows_(rows), names_(names), layout_(layout) {
     findCandidates();
-    const auto gaze = gazeColumnsOf(layout, false), all = gazeColumnsOf(layout, true);
+    const auto gaze = layout.gazeColumns(false), all = layout.gazeColumns(true);
     const auto filled = [&](const std::vector<std::size_t>& columns) {
       return std::ranges::any_of(
           columns, [&](std::size_t at) { return at < rows_.size() && !rows_.isAbsent(at); });
@@ -224,8 +187,10 @@ class Grouper {
   }
 
   void findPeople() {
-    for (const std::string_view key : kPeople) {
-      const auto column = names_.find({key});
+    std::vector<std::string_view> keys;
+    splitWords(kPeople, keys);
+    for (const std::string_view key : keys) {
+      const auto column = names_.find(key);
       if (column && !layout_.uses(*column) && !isOnly(*column)) groups_.people.push_back(*column);
     }
   }
@@ -261,7 +226,7 @@ class Grouper {
     if (layout_.rows.column) return;
     for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
       const std::size_t column = survey_.candidates()[i];
-      if (std::ranges::find(kDevices, names_.key(column)) == std::end(kDevices)) continue;
+      if (!isWordOf(kDevices, names_.key(column))) continue;
       ValueColumn device{.at = column, .values = valuesOf(survey_, i, true)};
       if (device.values.empty()) continue;
       groups_.device = std::move(device);
@@ -332,44 +297,6 @@ SeveralPeople::SeveralPeople(const std::string& source, std::string of_column,
                              quotedText(all.front()) + " }; foci replay --trace reads all"),
       column(std::move(of_column)),
       values(std::move(all)) {}
-
-std::vector<std::size_t> gazeColumnsOf(const TableLayout& layout, bool with_validity) {
-  std::vector<std::size_t> columns;
-  const auto add = [&](const std::optional<std::size_t>& at) {
-    if (at) columns.push_back(*at);
-  };
-  const auto addAll = [&](const auto& places) {
-    if (places) columns.insert(columns.end(), places->begin(), places->end());
-  };
-  add(layout.x);
-  add(layout.y);
-  for (const EyeColumns& eye : layout.eyes) {
-    add(eye.x);
-    add(eye.y);
-    add(eye.point);
-    for (const auto& axis : eye.direction) add(axis);
-    if (with_validity) add(eye.validity);
-    if (with_validity) add(eye.pupil_mm);
-  }
-  if (layout.space) {
-    for (const SightAt* at :
-         {&layout.space->both, &layout.space->eyes[0], &layout.space->eyes[1]}) {
-      addAll(at->direction);
-      addAll(at->angles);
-      addAll(at->quaternion);
-      addAll(at->point);
-      if (with_validity) add(at->validity);
-    }
-    if (layout.space->from_head) addAll(layout.space->head_quaternion);
-  }
-  if (with_validity) {
-    add(layout.validity);
-    add(layout.confidence);
-    add(layout.pupil_mm);
-    add(layout.blink);
-  }
-  return columns;
-}
 
 RowGroups groupRows(Rows& rows, const ColumnNames& names, const TableLayout& layout,
                     const TraceColumns& columns) {

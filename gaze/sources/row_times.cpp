@@ -217,7 +217,11 @@ void RowTimes::state(TraceHeader& header) const {
       header.assumed.push_back("clock: passes midnight where it steps back by over half a day");
     }
   }
-  if (guess_) stateClockGuess(*guess_, header);
+  if (!guess_) return;
+  header.assumed.push_back("unit of time: " + exactText(guess_->scale_s) + " s, from " +
+                           (guess_->why.empty() ? "the rate" : guess_->why) +
+                           " (gaze.time_scale_s)");
+  if (!guess_->doubt.empty()) header.warnings.push_back(guess_->doubt);
 }
 
 }  // namespace foci

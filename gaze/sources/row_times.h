@@ -1,18 +1,88 @@
 // The times of a table's rows: their unit, their order, and rows that share a time.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/input_error.h"
 #include "gaze/geometry/gaze_sample.h"
-#include "gaze/sources/clock_guess.h"
 #include "gaze/sources/clock_times.h"
-#include "gaze/sources/rows_seen.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_row.h"
 
 namespace foci {
+
+struct ClockGuess {
+  double scale_s = 1.0;   ///< seconds per unit of time
+  std::string why{};      ///< what makes the unit likely; empty: the rate alone
+  std::string doubt{};    ///< a warning; empty: none
+  std::string refusal{};  ///< why the unit cannot be told; empty: it can
+  bool is_open = false;   ///< more samples may tell more
+};
+
+/// The unit that gives the rate of an eye tracker: s, ms, us or ns; 100 ns (the ticks of .NET and
+/// Windows), 0.1 ms or minutes only if the rate is a usual one. A time since 1970, 1601 or the year
+/// 1 tells the unit itself. If two units are left, the usual duration of a fixation tells them
+/// apart.
+/// @param samples  the first ones, with times in the file's unit
+ClockGuess guessClock(const std::vector<GazeSample>& samples);
+
+/// Gives times in whole milliseconds the steps of the tracker's own clock. The offset between the
+/// clocks of computer and tracker follows their drift, and is reset after a jump of either.
+class FineClock {
+ public:
+  bool isUsed() const { return offset_ms_.has_value(); }
+
+  double time_ms(double whole_ms, double fine_ms) {
+    const double ahead_ms = offset_ms_ ? whole_ms - fine_ms - *offset_ms_ : kJump_ms;
+    if (std::abs(ahead_ms) >= kJump_ms) {
+      offset_ms_ = whole_ms - fine_ms;
+    } else {
+      *offset_ms_ += kFollow * ahead_ms;
+    }
+    return fine_ms + *offset_ms_;
+  }
+
+ private:
+  // Whole milliseconds are within 1 of the truth, and quartz drifts by less than 1 ms in ten
+  // seconds. A thousandth a sample follows in a few seconds.
+  static constexpr double kJump_ms = 20.0, kFollow = 1e-3;
+
+  std::optional<double> offset_ms_{};
+};
+
+/// Gives distinct times to samples that share a time, because times are whole units and samples
+/// come faster: each follows the one before by an even interval, within its unit. A control loop
+/// (proportional and integral, critically damped) keeps the times in the middle of their units.
+class WholeTimes {
+ public:
+  explicit WholeTimes(double interval) : interval_(interval) {}
+
+  double interval() const { return interval_; }
+
+  /// Increases strictly. @param whole  does not decrease
+  double time(double whole) {
+    constexpr double kGain = 0.01;  // settles within a few hundred samples
+    const double end = whole + 1.0;
+    double at = last_ ? *last_ + interval_ : whole;
+    const double error = whole + 0.5 - at;
+    if (std::abs(error) <= 1.0) {
+      at += kGain * error;
+      interval_ += 0.25 * kGain * kGain * error;
+    }
+    at = std::max(at, whole);
+    if (at >= end) at = 0.5 * (*last_ + end);
+    last_ = at;
+    return at;
+  }
+
+ private:
+  double interval_;
+  std::optional<double> last_{};
+};
 
 /// Gives each sample its time in seconds, and passes the samples on in order of time. Samples wait
 /// until the unit of time is known, and until the next one shows that no two are swapped.

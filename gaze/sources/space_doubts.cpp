@@ -1,17 +1,16 @@
 // The limits are those of heads and eyes, chosen by hand. Eyes turn by 50 degrees at most. People
 // who look around seldom turn them by more than 20 degrees (Stahl 1999).
-#include "gaze/sources/space_doubts.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/quantile.h"
 #include "base/text.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {
 
-constexpr std::size_t kMaxSamples = 4096, kMinSamples = 100;
+constexpr std::size_t kMinSamples = 100;
 constexpr double kMaxEye_deg = 50.0;
 constexpr double kManyBehind = 0.02, kManyBeside = 0.2;  // shares of the gaze
 constexpr double kAhead = 0.85, kNotAhead = 0.75;        // mean cosines from the forward axis
@@ -27,8 +26,6 @@ const glm::dvec3 kForward(0.0, 0.0, -1.0);
 
 double median(std::vector<double> values) { return quantile(values, 0.5); }
 
-std::string percentOf(double share) { return decimal(100.0 * share, 0) + " %"; }
-
 }  // namespace
 
 void SpaceDoubts::add(const GazeSample& sample) {
@@ -39,18 +36,13 @@ void SpaceDoubts::add(const GazeSample& sample) {
     behind_ += cosine <= 0.0;
     beside_ += cosine < std::cos(glm::radians(kMaxEye_deg));
   }
-  if (samples_++ % stride_ != 0) return;
-  kept_.push_back(sample);
-  if (kept_.size() < kMaxSamples) return;
-  for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
-  kept_.resize(kMaxSamples / 2);
-  stride_ *= 2;
+  kept_.add([&] { return sample; });
 }
 
 /// Gaze that no eye has. If it lies ahead of the head in the other frame, the frame is wrong.
 std::vector<std::string> SpaceDoubts::gazeDoubts(bool in_world) const {
   double ahead = 0.0, ahead_otherwise = 0.0, count = 0.0;
-  for (const GazeSample& sample : kept_) {
+  for (const GazeSample& sample : kept_.kept()) {
     if (!sample.direction || !sample.head) continue;
     const glm::dquat& turn = sample.head->world_from_head;
     const glm::dvec3 otherwise = (in_world ? turn : glm::conjugate(turn)) * *sample.direction;
@@ -67,12 +59,12 @@ std::vector<std::string> SpaceDoubts::gazeDoubts(bool in_world) const {
     return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(gazes_, 1));
   };
   if (shareOf(behind_) > kManyBehind) {
-    return {percentOf(shareOf(behind_)) +
+    return {percent(shareOf(behind_)) +
             " of the gaze is behind the eyes: are gaze.axes and gaze.frame right, and the order of "
             "the columns?"};
   }
   if (shareOf(beside_) > kManyBeside) {
-    return {percentOf(shareOf(beside_)) + " of the gaze is more than " + decimal(kMaxEye_deg, 0) +
+    return {percent(shareOf(beside_)) + " of the gaze is more than " + decimal(kMaxEye_deg, 0) +
             " deg from straight ahead, farther than eyes turn: are gaze.frame, gaze.axes and "
             "gaze.angle_units right?"};
   }
@@ -84,7 +76,7 @@ std::vector<std::string> SpaceDoubts::headDoubts(bool y_is_up) const {
   std::vector<double> up, height_m, speed_m_s;
   glm::dvec3 low_m(INFINITY), high_m(-INFINITY), forward(0.0);
   const GazeSample* before = nullptr;
-  for (const GazeSample& sample : kept_) {
+  for (const GazeSample& sample : kept_.kept()) {
     if (!sample.head) continue;
     const HeadInWorld& head = *sample.head;
     up.push_back((head.world_from_head * glm::dvec3(0.0, 1.0, 0.0)).y);
@@ -133,7 +125,7 @@ std::vector<std::string> SpaceDoubts::headDoubts(bool y_is_up) const {
 std::vector<std::string> SpaceDoubts::eyeDoubts() const {
   std::vector<std::string> doubts;
   std::vector<double> apart_m, right_of_left_m, converged_deg;
-  for (const GazeSample& sample : kept_) {
+  for (const GazeSample& sample : kept_.kept()) {
     const auto& [left, right] = sample.eyes;
     if (left.origin_m && right.origin_m) {
       apart_m.push_back(glm::distance(*left.origin_m, *right.origin_m));

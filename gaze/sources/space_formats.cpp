@@ -43,7 +43,7 @@ std::optional<SpaceFormat> sranipal(const ColumnNames& names) {
     format.pupil_mm[side] = columnOf(names, "pupildiameter" + eye);
   }
   const std::size_t clock =
-      names.find({"timestamp"}).value_or(names.find({"time"}).value_or(names.size()));
+      names.find("timestamp").value_or(names.find("time").value_or(names.size()));
   if (clock < names.size() && names.text(clock).ends_with("(100ns)")) {
     format.time = names.text(clock);
     format.time_scale_s = 1e-7;
@@ -72,7 +72,7 @@ std::optional<SpaceFormat> tobiiGlasses(const ColumnNames& names) {
 }
 
 std::optional<SpaceFormat> gazeBaseVr(const ColumnNames& names) {
-  if (!names.find({"n"}) || !names.find({"clx"})) return std::nullopt;
+  if (!names.find("n") || !names.find("clx")) return std::nullopt;
   SpaceFormat format{.name = "GazeBaseVR", .time = columnOf(names, "n"), .time_scale_s = 1e-3};
   format.columns.axes = "right-up-forward";
   format.columns.both.angles = columnsOf<2>(names, "", "xy").value_or(ColumnList<2>{});

@@ -293,19 +293,6 @@ AxisConvention axesOf(const Place& place, const SpaceColumns& columns) {
   return *axes;
 }
 
-bool usesColumn(const SpaceLayout& layout, std::size_t column) {
-  const auto in = [&](const auto& places) {
-    return places && std::ranges::find(*places, column) != places->end();
-  };
-  bool used = in(layout.head_position) || in(layout.head_quaternion) || in(layout.head_angles) ||
-              in(layout.head_euler);
-  for (const SightAt* at : {&layout.both, &layout.eyes[0], &layout.eyes[1]}) {
-    used = used || in(at->direction) || in(at->point) || in(at->origin) || in(at->angles) ||
-           in(at->quaternion) || at->validity == column;
-  }
-  return used || layout.depth_m == column;
-}
-
 std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {
   glm::dvec3 sum(0.0);
   for (const EyeSample& eye : eyes) sum += eye.direction.value_or(glm::dvec3(0.0));

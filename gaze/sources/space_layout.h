@@ -57,8 +57,6 @@ SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
 /// @throws InputError if the study states none
 AxisConvention axesOf(const Place& place, const SpaceColumns& columns);
 
-bool usesColumn(const SpaceLayout& layout, std::size_t column);
-
 /// Reads head pose, origins and directions into a sample, in the head's frame. A vector or
 /// quaternion of zeros, or with an absent field, is absent. The sample's own direction is that of
 /// both eyes' column, else the mean of the eyes'. With a depth, both eyes look at that point.

@@ -9,6 +9,9 @@
 #include <optional>
 #include <string_view>
 
+#include "base/number.h"
+#include "base/text.h"
+
 namespace foci {
 
 /// So many bytes behind a field must be readable.
@@ -68,6 +71,12 @@ inline std::optional<double> swiftNumber(std::string_view field) {
   const double value =
       static_cast<double>(static_cast<std::int64_t>(head * scale + digits)) / kPowers[decimals];
   return negative ? -value : value;
+}
+
+/// A number in any form that `parseNumber` takes. @param field  as of `swiftNumber`
+inline std::optional<double> fieldNumber(std::string_view field) {
+  const auto swift = swiftNumber(field);
+  return swift ? swift : parseNumber(trimmed(field));
 }
 
 }  // namespace foci

@@ -3,53 +3,37 @@
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
-#include <initializer_list>
 #include <string>
 
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
-#include "gaze/sources/column_readings.h"
 #include "gaze/sources/space_formats.h"
-#include "gaze/sources/vendor_tables.h"
 
 namespace foci {
 namespace {
 
-using Keys = ColumnNames::Keys;
-
-constexpr std::string_view kTimes[] = {"time",
-                                       "timestamp",
-                                       "t",
-                                       "sampletime",
-                                       "recordingtimestamp",
-                                       "gazetimestamp",
-                                       "devicetimestamp",
-                                       "recordingtime",
-                                       "n"};
+constexpr std::string_view kTimes =
+    "time timestamp t sampletime recordingtimestamp gazetimestamp devicetimestamp recordingtime n";
 // A plain "x" is last: beside "gaze_x" it is the place of something else.
-constexpr std::string_view kXs[] = {
-    "gazex", "xgaze", "gazepointx", "xcoordinate", "porx", "bporx", "pointofregardbinocularx", "x"};
-constexpr std::string_view kYs[] = {
-    "gazey", "ygaze", "gazepointy", "ycoordinate", "pory", "bpory", "pointofregardbinoculary", "y"};
-// Gazepoint: the best point of both eyes, else the one filtered to fixations.
-constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] = {"bpogy", "fpogy"};
-// A position only if the name also says "norm" (Pupil Core); else they may be places in space.
-constexpr std::string_view kNormXs[] = {"posx", "gazeposx"}, kNormYs[] = {"posy", "gazeposy"};
+constexpr std::string_view kXs =
+    "gazex xgaze gazepointx xcoordinate porx bporx pointofregardbinocularx x";
+constexpr std::string_view kYs =
+    "gazey ygaze gazepointy ycoordinate pory bpory pointofregardbinoculary y";
+// Of one eye: patterns of `keysOf`.
+constexpr std::string_view kEyesAxes =
+    "EA EYEA AEYE EYEgazeA gazeEYEA gazeAEYE gazepointEYEA gazepointAEYE EYEgazepointA EporA "
+    "etgazeEYEA pointofregardEYEA EYEAcoordinate AE EpogA EYEgazepointondisplayareaA EYEeyeA";
+constexpr std::string_view kEyesValidity = "EYEgazepointvalidity validityEYE EYEvalidity Epogv";
+constexpr std::string_view kEyesPupil =
+    "EYEpupildiameter pupildiameterEYE pupilEYE Emappeddiameter Epupildiameter EYEpupilsize "
+    "EYEpupil "
+    "Epmm";
 
 double secondsPer(const std::string& unit) {
   if (unit == "min") return 60.0;
   if (unit == "h") return 3600.0;
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
-}
-
-bool isOf(const EyeColumns& eye, std::size_t column) {
-  const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
-  return is(eye.x) || is(eye.y) || is(eye.point) || is(eye.validity) || is(eye.pupil_mm) ||
-         is(eye.pupil_own) || is(eye.origin_point_mm) || is(eye.sight_point_mm) ||
-         is(eye.origin_validity) || std::any_of(eye.origin_mm.begin(), eye.origin_mm.end(), is) ||
-         std::any_of(eye.direction.begin(), eye.direction.end(), is) ||
-         std::any_of(eye.sight_mm.begin(), eye.sight_mm.end(), is);
 }
 
 class Recogniser {
@@ -80,11 +64,11 @@ class Recogniser {
     if (!layout_.space) takeVendorFormat(names_, given_, before_, layout_);
     if (layout_.camera_axes && layout_.x && !layout_.sights_beside) leaveOutEmptyDirections();
     refuseOtherTables();
-    layout_.gaze_columns = gazeColumnsOf(layout_, false);
-    layout_.rated_columns = gazeColumnsOf(layout_, true);
+    layout_.has_eyes = layout_.eyes != std::array<EyeColumns, 2>{};
+    layout_.roles = rolesOf(layout_, given_);
     layout_.groups = groupRows(rows_, names_, layout_, given_);
+    layout_.roles = rolesOf(layout_, given_);
     for (std::size_t i = 0; i < names_.size(); ++i) {
-      for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
       if (!layout_.uses(i)) continue;
       if (!given_.x.starts_with('#')) names_.refuseTwin(i);
       layout_.columns = i + 1;
@@ -95,10 +79,7 @@ class Recogniser {
   }
 
  private:
-  std::optional<std::size_t> find(Keys keys) const { return names_.find(keys); }
-  std::optional<std::size_t> find(std::initializer_list<std::string_view> keys) const {
-    return names_.find(keys);
-  }
+  std::optional<std::size_t> find(std::string_view keys) const { return names_.find(keys); }
 
   /// The column that the study names. A column that is named by its number may have no header.
   std::size_t named(const std::string& name) {
@@ -107,41 +88,35 @@ class Recogniser {
     return column;
   }
 
-  std::optional<std::size_t> findPosition(Keys keys) const {
+  std::optional<std::size_t> findPosition(std::string_view keys) const {
     // Units that the user states hold for any column.
     return given_.units ? names_.find(keys) : names_.findPosition(keys);
   }
-  std::optional<std::size_t> findPosition(std::initializer_list<std::string_view> keys) const {
-    return findPosition(Keys(keys.begin(), keys.size()));
-  }
 
-  /// As `findPosition`; also Pupil Core's fractions.
-  std::optional<std::size_t> findAxis(Keys keys, Keys norm_keys) const {
+  /// Gazepoint's best point of both eyes, else the one filtered to fixations; else by the usual
+  /// names; else Pupil Core's, a position only if the name also says "norm".
+  std::optional<std::size_t> findAxis(std::string_view gazepoint_keys, std::string_view keys,
+                                      std::string_view norm_keys) const {
+    if (const auto gazepoint = find(gazepoint_keys)) return gazepoint;
     if (const auto found = findPosition(keys)) return found;
-    const auto norm = names_.find(norm_keys);
+    const auto norm = find(norm_keys);
     return norm && names_.unit(*norm) == "norm" ? norm : std::nullopt;
   }
-  std::optional<std::size_t> findX() const {
-    const auto gazepoint = find(kGazepointXs);
-    return gazepoint ? gazepoint : findAxis(kXs, kNormXs);
-  }
-  std::optional<std::size_t> findY() const {
-    const auto gazepoint = find(kGazepointYs);
-    return gazepoint ? gazepoint : findAxis(kYs, kNormYs);
-  }
+  std::optional<std::size_t> findX() const { return findAxis("bpogx fpogx", kXs, "posx gazeposx"); }
+  std::optional<std::size_t> findY() const { return findAxis("bpogy fpogy", kYs, "posy gazeposy"); }
 
   /// Pupil diameters, if they are in millimetres: by the unit, or because Tobii always writes them
   /// so.
-  std::optional<std::size_t> findPupil(std::initializer_list<std::string_view> keys) const {
+  std::optional<std::size_t> findPupil(std::string_view keys) const {
     const auto found = find(keys);
-    const bool tobii = isTobiiStudio(names_, before_) ||
-                       find({"recordingtimestamp", "devicetimestamp"}).has_value();
+    const bool tobii =
+        isTobiiStudio(names_, before_) || find("recordingtimestamp devicetimestamp").has_value();
     const bool gazepoint = found && (names_.key(*found) == "lpmm" || names_.key(*found) == "rpmm");
     return found && (tobii || gazepoint || names_.unit(*found) == "mm") ? found : std::nullopt;
   }
 
   /// Pupils in another unit that the name states.
-  std::optional<std::size_t> findOwnPupil(std::initializer_list<std::string_view> keys) {
+  std::optional<std::size_t> findOwnPupil(std::string_view keys) {
     const auto found = find(keys);
     if (!found || (names_.unit(*found) != "a.u." && names_.unit(*found) != "px")) {
       return std::nullopt;
@@ -151,74 +126,41 @@ class Recogniser {
   }
 
   void findEyes() {
-    auto& [left, right] = layout_.eyes;
-    left.point = find({"leftgazepointondisplayarea"});
-    right.point = find({"rightgazepointondisplayarea"});
-    left.x = findPosition({"lx", "leftx", "xleft", "leftgazex", "gazeleftx", "gazexleft",
-                           "gazepointleftx", "gazepointxleft", "leftgazepointx", "lporx",
-                           "etgazeleftx", "pointofregardleftx", "leftxcoordinate", "xl", "lpogx",
-                           "leftgazepointondisplayareax", "lefteyex"});
-    left.y = findPosition({"ly", "lefty", "yleft", "leftgazey", "gazelefty", "gazeyleft",
-                           "gazepointlefty", "gazepointyleft", "leftgazepointy", "lpory",
-                           "etgazelefty", "pointofregardlefty", "leftycoordinate", "yl", "lpogy",
-                           "leftgazepointondisplayareay", "lefteyey"});
-    right.x = findPosition({"rx", "rightx", "xright", "rightgazex", "gazerightx", "gazexright",
-                            "gazepointrightx", "gazepointxright", "rightgazepointx", "rporx",
-                            "etgazerightx", "pointofregardrightx", "rightxcoordinate", "xr",
-                            "rpogx", "rightgazepointondisplayareax", "righteyex"});
-    right.y = findPosition({"ry", "righty", "yright", "rightgazey", "gazerighty", "gazeyright",
-                            "gazepointrighty", "gazepointyright", "rightgazepointy", "rpory",
-                            "etgazerighty", "pointofregardrighty", "rightycoordinate", "yr",
-                            "rpogy", "rightgazepointondisplayareay", "righteyey"});
-    left.validity = find({"leftgazepointvalidity", "validityleft", "leftvalidity", "lpogv"});
-    right.validity = find({"rightgazepointvalidity", "validityright", "rightvalidity", "rpogv"});
-    left.pupil_mm =
-        findPupil({"leftpupildiameter", "pupildiameterleft", "pupilleft", "lmappeddiameter",
-                   "lpupildiameter", "leftpupilsize", "leftpupil", "lpmm", "diameter13d"});
-    right.pupil_mm =
-        findPupil({"rightpupildiameter", "pupildiameterright", "pupilright", "rmappeddiameter",
-                   "rpupildiameter", "rightpupilsize", "rightpupil", "rpmm", "diameter03d"});
-    if (!left.pupil_mm) left.pupil_own = findOwnPupil({"leftpupilsize", "leftpupil", "pupilleft"});
-    if (!right.pupil_mm) {
-      right.pupil_own = findOwnPupil({"rightpupilsize", "rightpupil", "pupilright"});
-    }
-    // Tobii's user coordinate system: x right, y up, z towards the user.
-    const std::string axes = "xyz";
+    layout_.sights_beside = find("opticalaxisleftx") && find("gazex");
+    layout_.camera_axes = layout_.sights_beside || find("gazenormal0x gazenormal1x");
     for (std::size_t side : {0, 1}) {
       EyeColumns& eye = layout_.eyes[side];
-      const std::string name = side == 0 ? "left" : "right";
-      eye.origin_point_mm = find({name + "gazeorigininusercoordinatesystem"});
-      eye.sight_point_mm = find({name + "gazepointinusercoordinatesystem"});
-      eye.origin_validity = find({name + "gazeoriginvalidity"});
+      const auto findOf = [&](std::string_view pattern) { return find(keysOf(pattern, side)); };
+      eye.x = findPosition(keysOf(kEyesAxes, side, 'x'));
+      eye.y = findPosition(keysOf(kEyesAxes, side, 'y'));
+      eye.validity = findOf(kEyesValidity);
+      // In Pupil Core the right eye is number 0.
+      eye.pupil_mm =
+          findPupil(keysOf(kEyesPupil, side) + (side == 0 ? " diameter13d" : " diameter03d"));
+      if (!eye.pupil_mm)
+        eye.pupil_own = findOwnPupil(keysOf("EYEpupilsize EYEpupil pupilEYE", side));
+      eye.point = findOf("EYEgazepointondisplayarea");
+      eye.origin_point_mm = findOf("EYEgazeorigininusercoordinatesystem");
+      eye.sight_point_mm = findOf("EYEgazepointinusercoordinatesystem");
+      eye.origin_validity = findOf("EYEgazeoriginvalidity");
+      // Tobii's user coordinate system: x right, y up, z towards the user.
+      std::string_view origin = "EYEoriginA EYEgazeorigininusercoordinatesystemA";
+      std::string_view direction = "EYEdirectionA";
+      if (layout_.sights_beside) {
+        origin = "eyeballcenterEYEA";
+        direction = "opticalaxisEYEA";
+      } else if (layout_.camera_axes) {
+        origin = side == 0 ? "eyecenter13dA" : "eyecenter03dA";
+        direction = side == 0 ? "gazenormal1A" : "gazenormal0A";
+      }
       for (std::size_t axis : {0, 1, 2}) {
-        const auto along = [&](const char* what) {
-          std::string column = name;
-          column += what;
-          column += axes[axis];
-          return column;
+        const auto along = [&](std::string_view keys) {
+          return find(keysOf(keys, side, "xyz"[axis]));
         };
-        eye.origin_mm[axis] = find({along("origin"), along("gazeorigininusercoordinatesystem")});
-        eye.sight_mm[axis] = find({along("gazepointinusercoordinatesystem")});
-        eye.direction[axis] = find({along("direction")});
+        eye.origin_mm[axis] = along(origin);
+        eye.direction[axis] = along(direction);
+        eye.sight_mm[axis] = along("EYEgazepointinusercoordinatesystemA");
       }
-    }
-    layout_.sights_beside = find({"opticalaxisleftx"}) && find({"gazex"});
-    layout_.camera_axes = layout_.sights_beside || find({"gazenormal0x", "gazenormal1x"});
-    for (std::size_t side = 0; layout_.sights_beside && side < 2; ++side) {
-      const std::string eye = side == 0 ? "left" : "right";
-      for (std::size_t axis : {0, 1, 2}) {
-        const std::string end = eye + axes[axis];
-        layout_.eyes[side].origin_mm[axis] = find({"eyeballcenter" + end});
-        layout_.eyes[side].direction[axis] = find({"opticalaxis" + end});
-      }
-    }
-    if (layout_.sights_beside || !layout_.camera_axes) return;
-    // In Pupil Core the right eye is number 0.
-    for (std::size_t axis : {0, 1, 2}) {
-      left.origin_mm[axis] = find({"eyecenter13d" + axes.substr(axis, 1)});
-      right.origin_mm[axis] = find({"eyecenter03d" + axes.substr(axis, 1)});
-      left.direction[axis] = find({"gazenormal1" + axes.substr(axis, 1)});
-      right.direction[axis] = find({"gazenormal0" + axes.substr(axis, 1)});
     }
   }
 
@@ -299,7 +241,7 @@ class Recogniser {
     }
     takeSpace(columns);
     if (given_.space.hasHead()) layout_.space->head_axes = axesOf(rows_, given_.space);
-    if (find({"sensor"})) layout_.rows = {.column = find({"sensor"}), .only = "Eye Tracker"};
+    if (find("sensor")) layout_.rows = {.column = find("sensor"), .only = "Eye Tracker"};
     layout_.validity_code = format.validity_code;
     const auto columnNamed = [&](const std::string& name) {
       return name.empty() ? std::nullopt : std::optional(names_.named(name));
@@ -318,15 +260,15 @@ class Recogniser {
       return;
     }
     const std::optional<double> rate_Hz = given_.rate_Hz ? given_.rate_Hz : before_.rate_Hz;
-    const bool counted = given_.time.empty() && rate_Hz && (given_.rate_Hz || !find(Keys(kTimes)));
+    const bool counted = given_.time.empty() && rate_Hz && (given_.rate_Hz || !find(kTimes));
     if (counted) {
       layout_.rate_Hz = *rate_Hz;
       layout_.time_scale_s = 1.0;
     } else {
-      layout_.time = given_.time.empty() ? find(Keys(kTimes)) : named(given_.time);
+      layout_.time = given_.time.empty() ? find(kTimes) : named(given_.time);
       if (!layout_.time) throw names_.missing(ColumnNames::Meaning::time, kTimes);
       layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_.unit(*layout_.time)));
-      const auto fine = find({"eyetrackertimestamp"});
+      const auto fine = find("eyetrackertimestamp");
       const bool whole_ms = given_.time.empty() && names_.unit(*layout_.time) == "ms";
       if (whole_ms && fine && names_.unit(*fine) == "us") layout_.fine_time = fine;
     }
@@ -351,15 +293,15 @@ class Recogniser {
 
   void findRest() {
     layout_.pupil_mm = !given_.pupil.empty() ? std::optional(named(given_.pupil))
-                                             : findPupil({"pupil", "pupildiameter", "pupilsize"});
-    if (!layout_.pupil_mm) layout_.pupil_own = findOwnPupil({"pupil", "pupilsize"});
+                                             : findPupil("pupil pupildiameter pupilsize");
+    if (!layout_.pupil_mm) layout_.pupil_own = findOwnPupil("pupil pupilsize");
     layout_.blink = !given_.blink.empty() ? std::optional(named(given_.blink))
-                                          : find({"blink", "isblink", "blinkid", "bkid"});
+                                          : find("blink isblink blinkid bkid");
     layout_.named_blink =
         given_.blink.empty() && layout_.blink && names_.key(*layout_.blink) == "blinkid";
     layout_.confidence =
-        !given_.confidence.empty() ? std::optional(named(given_.confidence)) : find({"confidence"});
-    const auto uncertainty = find({"uncertainty"});
+        !given_.confidence.empty() ? std::optional(named(given_.confidence)) : find("confidence");
+    const auto uncertainty = find("uncertainty");
     if (uncertainty && names_.unit(*uncertainty) == "deg") layout_.uncertainty_deg = uncertainty;
     layout_.numbers = {.missing = given_.missing,
                        .scale = given_.scale,
@@ -370,7 +312,7 @@ class Recogniser {
   /// Tables whose columns have the names of gaze, but hold something else.
   void refuseOtherTables() const {
     if (!given_.x.empty() || given_.mapped_later || layout_.space) return;
-    if (find({"ellipsecenterx"}) && findX() && !find({"gazetimestamp"})) {
+    if (find("ellipsecenterx") && findX() && !find("gazetimestamp")) {
       throw rows_.error(
           "pupils in the images of the eye cameras (pupil_positions.csv), not gaze: export "
           "gaze_positions.csv from Pupil Player");
@@ -389,8 +331,8 @@ class Recogniser {
       std::string y = key, z = key;
       y[at] = 'y';
       z[at] = 'z';
-      const auto column = names_.find({std::string_view(z)});
-      if (!column || !names_.find({std::string_view(y)}) || names_.unit(*column) != unit) continue;
+      const auto column = names_.find(z);
+      if (!column || !names_.find(y) || names_.unit(*column) != unit) continue;
       throw rows_.error("columns " + shown(names_.text(x)) + " and " + shown(names_.text(*column)) +
                         " are a point or a direction in space, not positions on a screen: name x, "
                         "y and z with gaze.point or gaze.direction, or the positions with gaze.x "
@@ -442,17 +384,18 @@ class Recogniser {
 }  // namespace
 
 bool TableLayout::uses(std::size_t column) const {
-  const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
-  bool used = is(time) || is(fine_time);
-  for (const auto& at : {x, y, pupil_mm, pupil_own, blink, confidence, validity, width_px,
-                         height_px, resolution, rows.column, uncertainty_deg, groups.eye}) {
-    used |= is(at);
+  return std::ranges::find(roles, column, &ColumnRole::column) != roles.end();
+}
+
+std::vector<std::size_t> TableLayout::gazeColumns(bool with_rating) const {
+  std::vector<std::size_t> found;
+  for (const ColumnRole& role : roles) {
+    if (role.kind == ColumnRole::Kind::gaze ||
+        (with_rating && role.kind == ColumnRole::Kind::rating)) {
+      found.push_back(role.column);
+    }
   }
-  for (const EyeColumns& eye : eyes) used |= isOf(eye, column);
-  for (const ValueColumn& only : groups.only) used |= only.at == column;
-  used |= groups.device && groups.device->at == column;
-  used |= std::ranges::find(groups.people, column) != groups.people.end();
-  return used || (space && usesColumn(*space, column));
+  return found;
 }
 
 TableLayout recogniseTable(Rows& rows, const TraceColumns& columns) {

@@ -8,12 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "gaze/sources/row_groups.h"
+#include "base/input_error.h"
 #include "gaze/sources/rows.h"
 #include "gaze/sources/space_layout.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
+
+class ColumnNames;
 
 /// The value that marks an eye as seen.
 enum class ValidityCode {
@@ -32,6 +34,8 @@ struct EyeColumns {
   std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{}, sight_mm{};  ///< x, y, z
   std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< or in one field, "(x, y, z)"
   std::optional<std::size_t> origin_validity{};
+
+  bool operator==(const EyeColumns&) const = default;
 };
 
 /// Which rows of a table are samples: all without a column.
@@ -50,6 +54,47 @@ struct TableNumbers {
   std::optional<double> missing{};
   glm::dvec2 scale{1.0}, offset{0.0};
   double pupil_scale_mm = 1.0;
+};
+
+/// A table holds rows of several people, and the study chooses none.
+struct SeveralPeople : InputError {
+  SeveralPeople(const std::string& source, std::string of_column, std::vector<std::string> all);
+
+  std::string column;               ///< that tells them apart
+  std::vector<std::string> values;  ///< of it, in order of appearance
+};
+
+/// A column of few values.
+struct ValueColumn {
+  std::size_t at = 0;
+  std::vector<std::string> values{};
+};
+
+struct RowGroups {
+  std::vector<ValueColumn> only{};      ///< as gaze.rows says: one value each
+  std::vector<std::size_t> people{};    ///< another value is another person, or another recording
+  std::optional<std::size_t> eye{};     ///< which eye a row is of
+  std::array<std::string, 2> eyes{};    ///< its values: left, right
+  std::optional<ValueColumn> device{};  ///< a row without gaze and of no such value is foreign
+  /// Rows without gaze come between the samples, which are so far apart, in the file's unit of time
+  std::optional<double> foreign_within{};
+  bool foreign_if_blank = false;  ///< data loss has a validity, a foreign row has none
+  double eye_interval = 0.0;      ///< between rows of one eye, in the file's unit of time
+  bool eyes_assumed = false;      ///< the values are numbers
+
+  bool isEmpty() const {
+    return only.empty() && people.empty() && !eye && !device && !foreign_within &&
+           !foreign_if_blank;
+  }
+};
+
+/// What a column holds.
+struct ColumnRole {
+  enum class Kind { other, gaze, rating };  ///< gaze; what rates it
+
+  std::size_t column = 0;
+  std::string meaning{};  ///< for people
+  Kind kind = Kind::other;
 };
 
 struct TableLayout {
@@ -79,7 +124,7 @@ struct TableLayout {
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   TableNumbers numbers{};
   RowGroups groups{};
-  std::vector<std::size_t> gaze_columns{}, rated_columns{};  ///< `gazeColumnsOf`
+  std::vector<ColumnRole> roles{};        ///< of the columns above; the first one of a column holds
   std::optional<SpaceLayout> space{};     ///< gaze in space; then there are no points
   std::vector<ColumnReading> readings{};  ///< of every column
   std::string unused_validity{};          ///< a column that seems to mark data loss; empty: none
@@ -95,9 +140,33 @@ struct TableLayout {
   bool hasDirections() const {
     return !sights_beside && (eyes[0].direction[0] || eyes[1].direction[0]);
   }
-  /// Whether a column has a meaning.
+  /// Whether a column has a role.
   bool uses(std::size_t column) const;
+  /// Columns that a row of the eye tracker fills. @param with_rating  also those that rate gaze
+  std::vector<std::size_t> gazeColumns(bool with_rating) const;
 };
+
+/// What the columns hold, as far as the layout says.
+std::vector<ColumnRole> rolesOf(const TableLayout& layout, const TraceColumns& given);
+
+/// A column that the study names is as the study says. Of the others, a format's own columns are
+/// sure, a name with its unit is likely, and a name without one is a guess.
+std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout,
+                                      const TraceColumns& given);
+
+/// Whose rows the table holds, judged by the first ones.
+/// @param layout  with the columns' roles
+RowGroups groupRows(Rows& rows, const ColumnNames& names, const TableLayout& layout,
+                    const TraceColumns& columns);
+
+/// Sets what a vendor's format says beyond its columns' names: its own name, units, the code for
+/// data loss, and which rows are samples. Changes nothing for a table of no known vendor.
+/// @param layout  with the columns of time, point and eyes
+void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
+                      const TablePreamble& before, TableLayout& layout);
+
+/// Whether the table is of Tobii Studio, which writes names without blanks. Pro Lab writes blanks.
+bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before);
 
 /// @param rows  at the names, before the first row
 /// @throws InputError if a column is not found; it names the nearest one

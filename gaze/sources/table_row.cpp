@@ -1,7 +1,6 @@
 #include "gaze/sources/table_row.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "base/number.h"
@@ -16,12 +15,6 @@ constexpr double kMaxEccentricity_deg = 89.0;  // a flat screen ends before 90
 constexpr double kMaxPupil_mm = 15.0;
 constexpr double kMaxConfidence = 1.01;     // 1, rounded
 constexpr double kMinGazeConfidence = 0.6;  // as in Pupil Core's own software
-
-bool isWord(std::string_view text, std::string_view lower) {
-  return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == b;
-  });
-}
 
 /// The head stays where it is.
 void loseGaze(GazeSample& sample) {
@@ -97,9 +90,9 @@ std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) cons
 bool TableRow::isTrusted(GazeSample& sample) const {
   if (layout_.confidence && !isAbsent(*layout_.confidence)) {
     const std::string_view text = field(*layout_.confidence);
-    const auto confidence = isWord(text, "true")    ? std::optional(1.0)
-                            : isWord(text, "false") ? std::optional(0.0)
-                                                    : number(*layout_.confidence);
+    const auto confidence = equalsIgnoringCase(text, "true")    ? std::optional(1.0)
+                            : equalsIgnoringCase(text, "false") ? std::optional(0.0)
+                                                                : number(*layout_.confidence);
     if (!confidence || *confidence > kMaxConfidence) {
       fail(*layout_.confidence,
            "expected a confidence of 0 to 1 (gaze.confidence); divide per cent by 100");
@@ -167,22 +160,36 @@ std::optional<glm::dvec3> TableRow::triple(
   return result;
 }
 
-/// x, y, z from one field, "(x, y, z)".
-std::optional<glm::dvec3> TableRow::tripleIn(std::size_t column) const {
+/// The parts of one field, "(x, y)" or "(x, y, z)"; none if one of them is absent.
+/// @param expected  the form, for the error
+template <std::size_t N>
+std::optional<std::array<std::string_view, N>> TableRow::partsIn(std::size_t column,
+                                                                 const char* expected) const {
   std::string_view text = field(column);
   if (isAbsent(column)) return std::nullopt;
-  if (!text.starts_with('(') || !text.ends_with(')')) fail(column, "expected (x, y, z)");
+  if (!text.starts_with('(') || !text.ends_with(')')) fail(column, expected);
   text = text.substr(1, text.size() - 2);
+  std::array<std::string_view, N> parts{};
+  bool absent = false;
+  for (std::size_t i = 0; i < N; ++i) {
+    const std::size_t comma = i + 1 < N ? text.find(',') : text.size();
+    if (comma == text.npos) fail(column, expected);
+    parts[i] = trimmed(text.substr(0, comma));
+    absent |= foci::isAbsent(parts[i]);
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return absent ? std::nullopt : std::optional(parts);
+}
+
+std::optional<glm::dvec3> TableRow::tripleIn(std::size_t column) const {
+  constexpr const char* kExpected = "expected (x, y, z)";
+  const auto parts = partsIn<3>(column, kExpected);
+  if (!parts) return std::nullopt;
   glm::dvec3 result;
   for (int axis : {0, 1, 2}) {
-    const std::size_t comma = text.find(',');
-    if ((comma == text.npos) != (axis == 2)) fail(column, "expected (x, y, z)");
-    const std::string_view part = trimmed(text.substr(0, comma));
-    if (foci::isAbsent(part)) return std::nullopt;
-    const auto value = parseNumber(part);
-    if (!value) fail(column, "expected (x, y, z)");
+    const auto value = parseNumber((*parts)[static_cast<std::size_t>(axis)]);
+    if (!value) fail(column, kExpected);
     result[axis] = *value;
-    if (axis < 2) text.remove_prefix(comma + 1);
   }
   return result;
 }
@@ -214,16 +221,15 @@ void TableRow::readEye(const EyeColumns& columns, EyeSample& eye) const {
 }
 
 std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& eyes) const {
-  glm::dvec3 sum{0.0};
-  for (const EyeSample& eye : eyes) sum += eye.direction.value_or(glm::dvec3(0.0));
-  if (!(glm::length(sum) > 0.5)) return std::nullopt;
-  const auto point = pointOnScreen_px(screen_, glm::normalize(sum));
+  const auto direction = meanDirection(eyes);
+  const auto point = direction ? pointOnScreen_px(screen_, *direction) : std::nullopt;
   return point && glm::length(*point) <= kFarthestGaze_px ? point : std::nullopt;
 }
 
 bool TableRow::isValid(std::size_t column) const {
   const auto value = number(column);
-  if (!value) return isWord(field(column), "valid") || isWord(field(column), "true");
+  if (!value)
+    return equalsIgnoringCase(field(column), "valid") || equalsIgnoringCase(field(column), "true");
   switch (layout_.validity_code) {
     case ValidityCode::one:
       return *value == 1.0;
@@ -239,21 +245,13 @@ bool TableRow::isValid(std::size_t column) const {
   return false;
 }
 
-/// x, y from one field, "(x, y)".
 std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
-  std::string_view text = field(column);
-  if (isAbsent(column)) return std::nullopt;
-  const std::size_t comma = text.find(',');
-  if (!text.starts_with('(') || !text.ends_with(')') || comma == std::string_view::npos) {
-    fail(column, "expected (x, y)");
-  }
-  const std::array<std::string_view, 2> parts = {
-      trimmed(text.substr(1, comma - 1)), trimmed(text.substr(comma + 1, text.size() - comma - 2))};
+  const auto parts = partsIn<2>(column, "expected (x, y)");
+  if (!parts) return std::nullopt;
   glm::dvec2 point(0.0);
   for (const int axis : {0, 1}) {
-    const std::string_view part = parts[static_cast<std::size_t>(axis)];
+    const std::string_view part = (*parts)[static_cast<std::size_t>(axis)];
     const auto number = parseNumber(part);
-    if (!number && foci::isAbsent(part)) return std::nullopt;
     if (!number) fail(column, "expected a number");
     const auto value = coordinate(column, part, axis, *number);
     if (!value) return std::nullopt;
@@ -264,8 +262,8 @@ std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
 
 bool TableRow::readFlag(std::size_t column) const {
   const std::string_view text = field(column);
-  if (isAbsent(column) || isWord(text, "false")) return false;
-  if (isWord(text, "true")) return true;
+  if (isAbsent(column) || equalsIgnoringCase(text, "false")) return false;
+  if (equalsIgnoringCase(text, "true")) return true;
   const auto value = number(column);
   if (!value) fail(column, "expected 0 or 1");
   return *value != 0.0;

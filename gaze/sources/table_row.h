@@ -46,9 +46,9 @@ class TableRow {
     return !column || (*column < rows_.size() && layout_.rows.has(rows_.text(*column)));
   }
 
-  bool hasGaze() const { return anyOf(layout_.gaze_columns); }
+  bool hasGaze() const { return anyOf(false); }
   /// Neither gaze, nor what rates it.
-  bool isBlank() const { return !anyOf(layout_.rated_columns); }
+  bool isBlank() const { return !anyOf(true); }
 
   /// Reads everything except the time. The point is the recording's own, or the mean of two lines
   /// of sight. It is absent if the row has points of single eyes only.
@@ -75,11 +75,16 @@ class TableRow {
   inline bool isTrusted(GazeSample& sample) const;
   void readEye(const EyeColumns& columns, EyeSample& eye) const;
   std::optional<glm::dvec3> triple(const std::array<std::optional<std::size_t>, 3>& columns) const;
+  template <std::size_t N>
+  std::optional<std::array<std::string_view, N>> partsIn(std::size_t column,
+                                                         const char* expected) const;
   std::optional<glm::dvec3> tripleIn(std::size_t column) const;
   std::optional<glm::dvec2> meanSight(const std::array<EyeSample, 2>& eyes) const;
-  bool anyOf(const std::vector<std::size_t>& columns) const {
-    for (const std::size_t at : columns) {
-      if (at < rows_.size() && !rows_.isAbsent(at)) return true;
+  bool anyOf(bool with_rating) const {
+    for (const ColumnRole& role : layout_.roles) {
+      const bool counts = role.kind == ColumnRole::Kind::gaze ||
+                          (with_rating && role.kind == ColumnRole::Kind::rating);
+      if (counts && role.column < rows_.size() && !rows_.isAbsent(role.column)) return true;
     }
     return false;
   }

@@ -1,6 +1,9 @@
+// Native recordings of Tobii Pro Glasses 2 (livedata.json.gz) and 3 (gazedata.gz): both eyes'
+// centres, directions and pupils, in the columns of Pro Lab's export. Each line is a JSON object.
+// Glasses 2 write `ts` in microseconds, `s` (0: valid), the number of the sample `gidx`, and one of
+// `pc`, `pd`, `gd` for each `eye`. Glasses 3 write a sample in a line. Lengths are in millimetres,
+// x left, y up, z forward. Lines of other sensors are skipped.
 // From "Tobii Pro Glasses 2 API Developer's Guide" and "Tobii Pro Glasses 3 Developer Guide".
-#include "gaze/sources/tobii_glasses.h"
-
 #include <array>
 #include <cmath>
 #include <limits>
@@ -10,6 +13,8 @@
 #include <vector>
 
 #include "base/text.h"
+#include "gaze/sources/read_rows.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -93,18 +98,17 @@ void takeGlasses3(const GlassesJson& line, std::map<double, Row>& rows) {
   rows.emplace(static_cast<double>(rows.size()), row);
 }
 
-}  // namespace
-
-std::optional<std::string> tobiiGlassesOf(std::string_view first_line) {
-  if (!trimmed(first_line).starts_with('{')) return std::nullopt;
-  const GlassesJson line = GlassesJson::parse(first_line, nullptr, false);
-  if (!line.is_object()) return std::nullopt;
-  if (line.contains("ts") && line.contains("s")) return "Tobii Pro Glasses 2";
-  if (line.contains("type") && line.contains("timestamp")) return "Tobii Pro Glasses 3";
-  return std::nullopt;
+bool isTobiiGlasses(const RecordingFile& file) {
+  const std::string name = file.path().filename().string();
+  if (name.find(".json") == name.npos && name.find("gazedata") == name.npos) return false;
+  if (!trimmed(file.firstLine()).starts_with('{')) return false;
+  const GlassesJson line = GlassesJson::parse(file.firstLine(), nullptr, false);
+  return line.is_object() && ((line.contains("ts") && line.contains("s")) ||
+                              (line.contains("type") && line.contains("timestamp")));
 }
 
-NumberRows readTobiiGlasses(LineReader& lines) {
+/// @throws InputError for a line before the last that is no JSON
+NumberRows glassesRows(LineReader& lines) {
   std::map<double, Row> rows;
   std::optional<InputError> broken;
   std::string_view text;
@@ -124,5 +128,18 @@ NumberRows readTobiiGlasses(LineReader& lines) {
   for (const auto& [number, row] : rows) values.insert(values.end(), row.begin(), row.end());
   return {lines.fileName(), columnNames(), std::move(values)};
 }
+
+TraceHeader readTobiiGlasses(const RecordingFile& file, const Screen& fallback_screen,
+                             const TakeSample& take) {
+  LineReader lines(file.path());
+  NumberRows rows = glassesRows(lines);
+  TraceHeader header = readRows(rows, file.columns(), fallback_screen, take);
+  header.format = "Tobii Pro Glasses, native recording, binocular";
+  return header;
+}
+
+}  // namespace
+
+const RecordingFormat kTobiiGlasses{.is = isTobiiGlasses, .read = readTobiiGlasses};
 
 }  // namespace foci

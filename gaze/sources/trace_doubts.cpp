@@ -16,7 +16,6 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kMaxKept = 8192;      // enough for a share exact to a hundredth
 constexpr std::size_t kMinPositions = 100;  // fewer show neither range nor shares
 
 constexpr double kManyLost = 0.5, kManyOff = 0.1;  // shares of samples
@@ -31,8 +30,6 @@ constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of o
 constexpr double kLongGap_s = 60.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
 constexpr double kSquare = 1.2;  // pixels are as wide as high, to this factor
-
-std::string percent(double share) { return decimal(100.0 * share, 0) + " %"; }
 
 /// The positions of a recording, in the file's unit.
 struct Positions {
@@ -215,6 +212,8 @@ std::vector<std::string> positionDoubts(const Positions& at, double span_s) {
 
 }  // namespace
 
+std::string percent(double share) { return decimal(100.0 * share, 0) + " %"; }
+
 void TraceDoubts::addClock(double time_s) {
   if (samples_ == 0) first_s_ = last_s_ = time_s;
   longest_gap_s_ = std::max(longest_gap_s_, time_s - last_s_);
@@ -230,13 +229,11 @@ void TraceDoubts::addPoint(const GazeSample& sample) {
   const glm::dvec2 point_px = *sample.point_px;
   changes_ += present_ == 0 || point_px != last_px_;
   last_px_ = point_px;
-  if (present_++ % stride_ != 0) return;
-  whole_px_ = whole_px_ && point_px == glm::floor(point_px);
-  kept_.push_back({point_px, {sample.eyes[0].point_px, sample.eyes[1].point_px}});
-  if (kept_.size() < kMaxKept) return;
-  for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
-  kept_.resize(kMaxKept / 2);
-  stride_ *= 2;
+  ++present_;
+  kept_.add([&] {
+    whole_px_ = whole_px_ && point_px == glm::floor(point_px);
+    return Kept{point_px, {sample.eyes[0].point_px, sample.eyes[1].point_px}};
+  });
 }
 
 void TraceDoubts::add(const GazeSample& sample) {
@@ -248,12 +245,7 @@ void TraceDoubts::add(const GazeSample& sample) {
   outside_ += sample.direction && !sample.point_px;
   away_ += !sample.point_px && !sample.direction &&
            (sample.eyes[0].direction || sample.eyes[1].direction);
-  if (!sample.pupil_mm || pupils_++ % pupil_stride_ != 0) return;
-  pupils_mm_.push_back(*sample.pupil_mm);
-  if (pupils_mm_.size() < kMaxKept) return;
-  for (std::size_t i = 0; 2 * i < pupils_mm_.size(); ++i) pupils_mm_[i] = pupils_mm_[2 * i];
-  pupils_mm_.resize(kMaxKept / 2);
-  pupil_stride_ *= 2;
+  if (sample.pupil_mm) pupils_mm_.add([&] { return *sample.pupil_mm; });
 }
 
 /// Doubts about data loss, the clock and the pupil.
@@ -281,7 +273,7 @@ std::vector<std::string> TraceDoubts::rowDoubts() const {
     doubts.push_back("a gap of " + significant(longest_gap_s_) +
                      " s: is the clock right (gaze.time, gaze.time_scale_s)?");
   }
-  if (std::vector<double> pupils_mm = pupils_mm_; pupils_mm.size() >= kMinPositions) {
+  if (std::vector<double> pupils_mm = pupils_mm_.kept(); pupils_mm.size() >= kMinPositions) {
     const double usual_mm = quantile(pupils_mm, 0.5);
     if (usual_mm < kMinUsualPupil_mm || usual_mm > kMaxUsualPupil_mm) {
       doubts.push_back("the pupil's usual diameter is " + significant(usual_mm) +
@@ -314,12 +306,12 @@ std::vector<std::string> TraceDoubts::rateDoubts() const {
 /// A code for data loss: of the gaze, else of one eye, whose code the mean with the other hides.
 std::vector<std::string> TraceDoubts::lossDoubts(const TraceHeader& header) const {
   std::vector<glm::dvec2> points_px;
-  for (const Kept& kept : kept_) points_px.push_back(kept.point_px);
+  for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
   if (auto doubt = codeOfLoss(positionsOf(points_px, header))) return {std::move(*doubt)};
   std::vector<std::string> doubts;
   for (std::size_t side : {0, 1}) {
     points_px.clear();
-    for (const Kept& kept : kept_) {
+    for (const Kept& kept : kept_.kept()) {
       if (kept.eyes_px[side]) points_px.push_back(*kept.eyes_px[side]);
     }
     if (points_px.size() < kMinPositions) continue;
@@ -335,7 +327,7 @@ std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const
   std::vector<std::string> doubts;
   const glm::dvec2 size_px(header.screen->size_px);
   std::vector<double> apart;
-  for (const Kept& kept : kept_) {
+  for (const Kept& kept : kept_.kept()) {
     if (!kept.eyes_px[0] || !kept.eyes_px[1] || !(size_px.x > 0.0)) continue;
     apart.push_back(glm::distance(*kept.eyes_px[0], *kept.eyes_px[1]) / size_px.x);
   }
@@ -364,12 +356,12 @@ std::vector<std::string> TraceDoubts::sentences(const TraceHeader& header,
   append(rowDoubts());
   append(rateDoubts());
   append(space_.sentences(header.gaze_in_world, header.world_y_up));
-  if (kept_.size() < kMinPositions || columns.mapped_later || columns.space.from_head) {
+  if (kept_.kept().size() < kMinPositions || columns.mapped_later || columns.space.from_head) {
     return doubts;
   }
   std::vector<glm::dvec2> points_px;
-  points_px.reserve(kept_.size());
-  for (const Kept& kept : kept_) points_px.push_back(kept.point_px);
+  points_px.reserve(kept_.kept().size());
+  for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
   append(lossDoubts(header));
   append(positionDoubts(positionsOf(points_px, header), last_s_ - first_s_));
   append(eyeDoubts(header));

@@ -10,10 +10,55 @@
 
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/geometry/sampling_rate.h"
-#include "gaze/sources/space_doubts.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
+
+/// Every n-th of many values, at most 8192: enough for a share exact to a hundredth.
+template <class T>
+class Thinned {
+ public:
+  /// @param make  gives the value, if it is kept
+  template <class Make>
+  void add(const Make& make) {
+    constexpr std::size_t kMost = 8192;
+    if (count_++ % stride_ != 0) return;
+    kept_.push_back(make());
+    if (kept_.size() < kMost) return;
+    for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
+    kept_.resize(kMost / 2);
+    stride_ *= 2;
+  }
+
+  const std::vector<T>& kept() const { return kept_; }
+
+ private:
+  std::size_t count_ = 0, stride_ = 1;
+  std::vector<T> kept_{};
+};
+
+/// What looks wrong in gaze in space: a wrong frame, axis, unit or order of columns still gives
+/// lines of sight, so nobody would notice it in a result.
+class SpaceDoubts {
+ public:
+  void add(const GazeSample& sample);
+
+  /// One sentence for each doubt, with the key to set.
+  /// @param in_world  the frame of the gaze columns, as stated
+  /// @param y_is_up   in the recording's world; false: unknown
+  std::vector<std::string> sentences(bool in_world, bool y_is_up) const;
+
+ private:
+  std::vector<std::string> gazeDoubts(bool in_world) const;
+  std::vector<std::string> headDoubts(bool y_is_up) const;
+  std::vector<std::string> eyeDoubts() const;
+
+  std::size_t gazes_ = 0, behind_ = 0, beside_ = 0;
+  Thinned<GazeSample> kept_{};
+};
+
+/// "12 %"
+std::string percent(double share);
 
 /// Gathers samples in constant memory, then names the doubts.
 class TraceDoubts {
@@ -48,11 +93,8 @@ class TraceDoubts {
   double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0;
   glm::dvec2 last_px_{0.0};
   bool whole_px_ = true;  // all positions
-  // Every `stride_`-th position, and as many diameters: at most kMaxKept.
-  std::size_t stride_ = 1;
-  std::vector<Kept> kept_{};
-  std::vector<double> pupils_mm_{};
-  std::size_t pupils_ = 0, pupil_stride_ = 1;
+  Thinned<Kept> kept_{};
+  Thinned<double> pupils_mm_{};
 };
 
 }  // namespace foci

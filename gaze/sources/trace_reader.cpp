@@ -6,18 +6,10 @@
 #include "base/input_error.h"
 #include "base/memory_budget.h"
 #include "base/text.h"
-#include "gaze/sources/aria.h"
-#include "gaze/sources/bids.h"
-#include "gaze/sources/eyelink_asc.h"
-#include "gaze/sources/eyenavgs.h"
-#include "gaze/sources/file_kind.h"
-#include "gaze/sources/hololens.h"
-#include "gaze/sources/neon_native.h"
 #include "gaze/sources/read_rows.h"
-#include "gaze/sources/rounded_intervals.h"
-#include "gaze/sources/tobii_glasses.h"
+#include "gaze/sources/recording_formats.h"
 #include "gaze/sources/trace_doubts.h"
-#include "gaze/sources/xdf.h"
+#include "gaze/sources/trace_summary.h"
 
 namespace foci {
 namespace {
@@ -41,41 +33,35 @@ double medianRate_Hz(const std::vector<GazeSample>& samples) {
   return std::round(1000.0 / *middle) / 1000.0;
 }
 
-/// The first line that is not empty.
-std::string firstLineOf(const std::filesystem::path& file) {
-  LineReader lines(file);
-  std::string_view line;
-  while (lines.next(line)) {
-    if (!trimmed(line).empty()) return std::string(line);
-  }
-  return {};
+TraceHeader readTable(const RecordingFile& file, const Screen& fallback_screen,
+                      const TakeSample& take) {
+  LineReader lines(file.path());
+  TextRows rows(lines);
+  return readRows(rows, file.columns(), fallback_screen, take);
 }
 
-bool isTobiiGlasses(const std::filesystem::path& file) {
-  std::error_code unreadable;
-  if (!std::filesystem::is_regular_file(file, unreadable)) return false;
-  const std::string name = file.filename().string();
-  const bool json = name.find(".json") != name.npos || name.find("gazedata") != name.npos;
-  return json && tobiiGlassesOf(firstLineOf(file)).has_value();
+const RecordingFormat kPlainTable{.is = nullptr, .read = readTable};
+
+/// @throws InputError if the file is none
+const RecordingFormat& formatOf(const RecordingFile& file) {
+  if (kNeonNative.is(file)) return kNeonNative;
+  requireRegularFile(file.path());
+  if (kTobiiGlasses.is(file)) return kTobiiGlasses;
+  requireGazeText(file.path());
+  for (const RecordingFormat* format :
+       {&kBids, &kXdf, &kEyeLinkAsc, &kEyeNavGs, &kHoloLens, &kAria}) {
+    if (format->is(file)) return *format;
+  }
+  return kPlainTable;
 }
 
-TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& columns,
-                         const Screen& fallback_screen, const TakeSample& take) {
-  XdfTable table = readXdf(file, columns.stream);
-  NumberRows rows(file.string(), std::move(table.columns), std::move(table.values));
-  TraceHeader header = readRows(rows, columns, fallback_screen, take);
-  header.format = "XDF, stream " + shown(table.stream) + ", " + header.format;
-  header.markers = std::move(table.markers);
-  if (table.clock_offsets == 0) {
-    header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
+/// Nothing for a file that cannot be read: whoever reads it says why.
+const RecordingFormat* formatSoFar(const RecordingFile& file) {
+  try {
+    return std::filesystem::exists(file.path()) ? &formatOf(file) : nullptr;
+  } catch (const std::exception&) {
+    return nullptr;
   }
-  if (table.clock_resets > 0) {
-    header.assumed.push_back("clock: the tracker's was reset " +
-                             std::to_string(table.clock_resets) +
-                             " times, and the offsets of each part hold there");
-  }
-  if (table.cut_off) header.warnings.push_back("the file is " + *table.cut_off);
-  return header;
 }
 
 /// The fallback replaces what the recording does not state of its screen, and `assumed` says so.
@@ -95,87 +81,26 @@ void fillScreen(const Screen& fallback, TraceHeader& header) {
                            (filled.find(',') == filled.npos ? "it" : "them"));
 }
 
-bool isUndescribed(const TraceColumns& columns) {
-  return columns.time.empty() && columns.x.empty() && !columns.space.hasSight();
-}
-
-/// Of Aria's glasses, unless the study describes the columns.
-std::optional<std::filesystem::path> trajectoryOf(const std::filesystem::path& file,
-                                                  std::string_view first_line,
-                                                  const TraceColumns& columns) {
-  if (!isUndescribed(columns) || columns.space.hasHead() || !isAriaGaze(first_line)) return {};
-  return ariaTrajectoryBeside(file);
-}
-
-/// Gaze has no place in the world while the head has none.
-TraceHeader readAria(LineReader& lines, const AriaTrajectory& trajectory,
-                     const TraceColumns& columns, const TakeSample& take) {
-  std::size_t lost = 0;
-  TextRows rows(lines);
-  TraceHeader header = readRows(rows, columns, {}, [&](const GazeSample& gaze) {
-    GazeSample sample = gaze;
-    sample.head = trajectory.at(sample.time_s);
-    if (!sample.head) {
-      ++lost;
-      sample.point_px.reset();
-      sample.direction.reset();
-      for (EyeSample& eye : sample.eyes) eye.direction.reset();
-    }
-    take(sample);
-  });
-  header.world_y_up = false;
-  header.assumed.push_back(trajectory.assumed());
-  if (lost > 0) {
-    header.warnings.push_back(std::to_string(lost) +
-                              " samples lie beside the trajectory, so their gaze is left out");
-  }
-  return header;
-}
-
 }  // namespace
+
+const std::string& RecordingFile::firstLine() const {
+  if (first_line_) return *first_line_;
+  LineReader lines(path_);
+  std::string_view line;
+  while (lines.next(line) && trimmed(line).empty()) {
+  }
+  return first_line_.emplace(line);
+}
 
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
-  const bool neon = !neonNativeFiles(file).empty();
-  const bool native = !neon && isTobiiGlasses(file);
-  if (!neon) requireRegularFile(file);
-  if (!neon && !native) requireGazeText(file);
   TraceDoubts doubts;
-  const TakeSample both = [&](const GazeSample& sample) {
-    doubts.add(sample);
-    take(sample);
-  };
-  TraceHeader header;
-  if (neon) {
-    NeonTable table = readNeonNative(file);
-    NumberRows rows(file.string(), std::move(table.columns), std::move(table.values));
-    header = readRows(rows, columns, fallback_screen, both);
-    header.format = "Neon, native recording";
-  } else if (!bidsMetadataOf(file).empty()) {
-    header = readBids(file, columns, fallback_screen, both);
-  } else if (native) {
-    LineReader lines(file);
-    NumberRows rows = readTobiiGlasses(lines);
-    header = readRows(rows, columns, fallback_screen, both);
-    header.format = "Tobii Pro Glasses, native recording, binocular";
-  } else if (isXdf(file)) {
-    header = readXdfTrace(file, columns, fallback_screen, both);
-  } else {
-    const std::string first = firstLineOf(file);
-    LineReader lines(file);
-    if (startsEyeLinkAsc(first) || (isUndescribed(columns) && isEyeLinkSample(first))) {
-      header = readEyeLinkAsc(lines, columns, both);
-    } else if (isUndescribed(columns) && isEyeNavGs(first)) {
-      header = readEyeNavGs(lines, columns, both);
-    } else if (isUndescribed(columns) && isHoloLens(first)) {
-      header = readHoloLens(lines, columns, both);
-    } else if (const auto trajectory = trajectoryOf(file, first, columns)) {
-      header = readAria(lines, AriaTrajectory(*trajectory, first), columns, both);
-    } else {
-      TextRows rows(lines);
-      header = readRows(rows, columns, fallback_screen, both);
-    }
-  }
+  const RecordingFile recording(file, columns);
+  TraceHeader header =
+      formatOf(recording).read(recording, fallback_screen, [&](const GazeSample& sample) {
+        doubts.add(sample);
+        take(sample);
+      });
   if (columns.space.from_head) {
     header.assumed.push_back("gaze: straight ahead of the head (gaze.from_head)");
   }
@@ -187,43 +112,16 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
 }
 
 std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file) {
-  std::vector<std::filesystem::path> companions = neonNativeFiles(file);
-  if (!companions.empty()) {
-    std::erase(companions, file);
-    return companions;
-  }
-  companions = bidsMetadataOf(file);
-  const bool bids = !companions.empty();
-  if (const auto other = bids ? bidsOtherEyeOf(file) : std::nullopt) {
-    companions.push_back(*other);
-    for (auto& metadata : bidsMetadataOf(*other)) {
-      if (std::ranges::find(companions, metadata) == companions.end()) {
-        companions.push_back(std::move(metadata));
-      }
-    }
-  }
-  std::error_code unreadable;
-  const std::filesystem::path setting = file.parent_path() / "scene_setting.csv";
-  const auto trajectory = ariaTrajectoryBeside(file);
-  if (!bids && trajectory && std::filesystem::is_regular_file(file, unreadable) &&
-      isAriaGaze(firstLineOf(file))) {
-    companions.push_back(*trajectory);
-  }
-  if (!bids && std::filesystem::is_regular_file(file, unreadable) &&
-      std::filesystem::is_regular_file(setting, unreadable) && isEyeNavGs(firstLineOf(file))) {
-    companions.push_back(setting);
-  }
-  return companions;
+  const RecordingFormat* const format = formatSoFar(RecordingFile(file, {}));
+  if (!format || !format->companions) return {};
+  return format->companions(file);
 }
 
 std::vector<std::pair<std::string, std::string>> peopleOf(const std::filesystem::path& file,
                                                           const TraceColumns& columns) {
   std::vector<std::pair<std::string, std::string>> people;
+  if (formatSoFar(RecordingFile(file, columns)) != &kPlainTable) return people;
   try {
-    std::error_code unreadable;
-    if (!std::filesystem::is_regular_file(file, unreadable)) return people;
-    if (!bidsMetadataOf(file).empty() || isXdf(file) || isTobiiGlasses(file)) return people;
-    if (startsEyeLinkAsc(firstLineOf(file))) return people;
     LineReader lines(file);
     TextRows rows(lines);
     const auto found = peopleIn(rows, columns);
@@ -240,15 +138,8 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(file, unreadable)) return {};
   if (columns.space.hasHead()) return {.has_head = true};
-  try {
-    if (!isUndescribed(columns) || isXdf(file)) return {};
-    const std::string first = firstLineOf(file);
-    if (isHoloLens(first) || trajectoryOf(file, first, columns)) return {.has_head = true};
-    if (!isEyeNavGs(first)) return {};
-  } catch (const InputError&) {
-    return {};  // whoever reads the file says why
-  }
-  return {.has_head = true, .scene_scale_m = eyeNavGsSceneScale_m(file)};
+  const RecordingFormat* const format = formatSoFar(RecordingFile(file, columns));
+  return format && format->preview ? format->preview(file) : SpacePreview{};
 }
 
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,

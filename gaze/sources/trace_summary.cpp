@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gaze/sources/rounded_intervals.h"
-
 namespace foci {
 namespace {
 

@@ -1,6 +1,5 @@
 // From exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK, PyGaze, Gazepoint,
 // Pupil Core, Neon, SMI BeGaze and GazeBase.
-#include "gaze/sources/vendor_tables.h"
 
 #include <algorithm>
 #include <array>
@@ -8,25 +7,18 @@
 #include <optional>
 #include <string_view>
 
+#include "gaze/sources/column_names.h"
+#include "gaze/sources/table_layout.h"
+
 namespace foci {
 namespace {
 
 using Names = const ColumnNames&;
 
-/// Whether a table has a column of one of the keys, which are separated by "|".
-bool hasOneOf(Names names, std::string_view keys) {
-  while (!keys.empty()) {
-    const std::string_view key = keys.substr(0, keys.find('|'));
-    if (names.find({key})) return true;
-    keys.remove_prefix(std::min(key.size() + 1, keys.size()));
-  }
-  return false;
-}
-
 /// What a vendor's format says beyond the names of its columns.
 struct Vendor {
   const char* name;
-  /// All of these columns; "|" separates choices.
+  /// All of these columns; blanks separate choices.
   std::array<std::string_view, 6> needs{};
   std::optional<GazeUnits> units{};
   double time_scale_s = 0.0;  ///< unless the time's name has a unit; 0: unknown
@@ -41,7 +33,7 @@ struct Vendor {
 /// Gazepoint Analysis: seconds, fractions of the screen, 1 for valid; a blink's number or 0.
 void takeGazepoint(Names names, TableLayout& layout) {
   if (layout.x) {
-    layout.validity = names.find({names.key(*layout.x) == "bpogx" ? "bpogv" : "fpogv"});
+    layout.validity = names.find(names.key(*layout.x) == "bpogx" ? "bpogv" : "fpogv");
   }
   const bool seconds = layout.time && names.key(*layout.time) == "time";
   if (seconds && layout.time_scale_s == 0.0) layout.time_scale_s = 1.0;
@@ -49,54 +41,53 @@ void takeGazepoint(Names names, TableLayout& layout) {
 
 /// Rows of the mouse and of events lie between those of the eye tracker.
 void takeProLab(Names names, TableLayout& layout) {
-  layout.width_px = names.find({"recordingresolutionwidth"});
-  layout.height_px = names.find({"recordingresolutionheight"});
-  layout.rows = names.find({"sensor"})
-                    ? SampleRows{.column = names.find({"sensor"}), .only = "Eye Tracker"}
-                    : SampleRows{.column = names.find({"eyetrackertimestamp"})};
+  layout.width_px = names.find("recordingresolutionwidth");
+  layout.height_px = names.find("recordingresolutionheight");
+  layout.rows = names.find("sensor")
+                    ? SampleRows{.column = names.find("sensor"), .only = "Eye Tracker"}
+                    : SampleRows{.column = names.find("eyetrackertimestamp")};
 }
 
 /// Version 1 and 2: times in ms, (0, 0) and (-width, -height) in data loss. Version 3: times in
 /// ms, empty fields in data loss. Rows of the mouse, keys and events have no number of a sample.
 void takeStudio(Names names, TableLayout& layout) {
   layout.size_off_is_absent = true;
-  layout.resolution = names.find({"recordingresolution"});
-  layout.rows.column =
-      names.find({"gazepointindex", "number", "eyetrackertimestamp", "validityleft",
-                  "validityright", "gazepointxleft", "gazepointxright"});
+  layout.resolution = names.find("recordingresolution");
+  layout.rows.column = names.find(
+      "gazepointindex number eyetrackertimestamp validityleft validityright gazepointxleft "
+      "gazepointxright");
 }
 
 /// Messages and the separators of trials lie between the samples.
 void takeSmi(Names names, TableLayout& layout) {
-  if (const auto type = names.find({"type"})) {
+  if (const auto type = names.find("type")) {
     layout.rows = {.column = type, .only = "SMP"};
   } else {
-    layout.rows = {.column = names.find({"categoryright", "categoryleft"}), .except = "Separator"};
+    layout.rows = {.column = names.find("categoryright categoryleft"), .except = "Separator"};
   }
 }
 
 bool isSurface(Names names, const TablePreamble&) {
-  const auto x = names.find({"x"});
-  return hasOneOf(names, "onsurf|onsrf") && x && names.unit(*x) == "norm";
+  const auto x = names.find("x");
+  return names.find("onsurf onsrf") && x && names.unit(*x) == "norm";
 }
 
 bool isSmi(Names names, const TablePreamble& before) {
   return before.smi ||
-         (hasOneOf(names, "recordingtime") &&
-          hasOneOf(names, "pointofregardleftx|pointofregardrightx")) ||
-         (hasOneOf(names, "type") && hasOneOf(names, "trial") && hasOneOf(names, "lporx|rporx"));
+         (names.find("recordingtime") && names.find("pointofregardleftx pointofregardrightx")) ||
+         (names.find("type") && names.find("trial") && names.find("lporx rporx"));
 }
 
 bool isNeon(Names names, const TablePreamble&) {
-  const auto time = names.find({"timestamp"});
-  return time && names.unit(*time) == "ns" && hasOneOf(names, "gazex") && hasOneOf(names, "gazey");
+  const auto time = names.find("timestamp");
+  return time && names.unit(*time) == "ns" && names.find("gazex") && names.find("gazey");
 }
 
 /// An eye that is not recorded is at (0, 0), one that is not seen at -32768.
 void takeEyeLinkRelay(Names names, TableLayout& layout) {
   if (!layout.numbers.missing) layout.numbers.missing = -32768.0;
-  layout.eyes[0].pupil_own = names.find({"leftpupilarea"});
-  layout.eyes[1].pupil_own = names.find({"rightpupilarea"});
+  layout.eyes[0].pupil_own = names.find("leftpupilarea");
+  layout.eyes[1].pupil_own = names.find("rightpupilarea");
   layout.pupil_unit = "arbitrary";
 }
 
@@ -105,14 +96,14 @@ constexpr std::optional<GazeUnits> kPx = GazeUnits::px, kDeg = GazeUnits::deg,
 
 const Vendor kVendors[] = {
     {.name = "Gazepoint",
-     .needs = {"bpogx|fpogx|lpogx|rpogx", "bpogy|fpogy|lpogy|rpogy"},
+     .needs = {"bpogx fpogx lpogx rpogx", "bpogy fpogy lpogy rpogy"},
      .units = kFractions,
      .code = ValidityCode::one,
      .only_unnamed = true,
      .more = takeGazepoint},
     {.name = "Tobii Pro SDK",
-     .needs = {"leftgazepointondisplayarea|rightgazepointondisplayarea|"
-               "leftgazepointondisplayareax|rightgazepointondisplayareax"},
+     .needs = {"leftgazepointondisplayarea rightgazepointondisplayarea "
+               "leftgazepointondisplayareax rightgazepointondisplayareax"},
      .units = kFractions,
      .time_scale_s = 1e-6,
      .code = ValidityCode::one},
@@ -129,11 +120,11 @@ const Vendor kVendors[] = {
      .is = isTobiiStudio,
      .more = takeStudio},
     {.name = "Tobii Pro Lab",
-     .needs = {"recordingtimestamp", "gazepointx|gazepointleftx", "gazepointy|gazepointlefty"},
+     .needs = {"recordingtimestamp", "gazepointx gazepointleftx", "gazepointy gazepointlefty"},
      .units = kPx,
      .more = takeProLab},
     {.name = "Pupil Core export",
-     .needs = {"gazetimestamp", "posx|x", "posy|y", "basedata"},
+     .needs = {"gazetimestamp", "posx x", "posy y", "basedata"},
      .units = kFractions,
      .time_scale_s = 1.0,
      .y_up = true,
@@ -173,19 +164,20 @@ const Vendor kVendors[] = {
 
 bool isOf(const Vendor& vendor, Names names, const TablePreamble& before) {
   if (vendor.is) return vendor.is(names, before);
-  return std::ranges::all_of(
-      vendor.needs, [&](std::string_view keys) { return keys.empty() || hasOneOf(names, keys); });
+  return std::ranges::all_of(vendor.needs, [&](std::string_view keys) {
+    return keys.empty() || names.find(keys).has_value();
+  });
 }
 
 }  // namespace
 
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
-  const auto time = names.find({"recordingtimestamp"});
+  const auto time = names.find("recordingtimestamp");
   const bool version3 = time && names.text(*time).find(' ') == std::string_view::npos &&
-                        names.find({"gazepointx", "gazepointleftx"});
+                        names.find("gazepointx gazepointleftx");
   return before.tobii_studio || version3 ||
-         (names.find({"gazepointxleft"}) && names.find({"gazepointyleft"}) &&
-          names.find({"camxleft", "distanceleft", "validityleft"}));
+         (names.find("gazepointxleft") && names.find("gazepointyleft") &&
+          names.find("camxleft distanceleft validityleft"));
 }
 
 void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
@@ -205,7 +197,7 @@ void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
     if (found->time_scale_s > 0.0) layout.time_scale_s = found->time_scale_s;
   }
   layout.validity_code = found->code.value_or(layout.validity_code);
-  if (!found->validity.empty()) layout.validity = names.find({found->validity});
+  if (!found->validity.empty()) layout.validity = names.find(found->validity);
   layout.y_up |= found->y_up;
   layout.of_scene_camera |= found->of_scene_camera;
   layout.zero_is_absent |= found->zero_is_absent;

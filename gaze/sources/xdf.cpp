@@ -1,11 +1,13 @@
-#include "gaze/sources/xdf.h"
+// XDF files of the Lab Streaming Layer (github.com/sccn/xdf, specification 1.0), packed with gzip
+// (.xdfz) or not. Times are on the recorder's clock (recorder_clock.h). A sample without a time
+// follows the one before by 1 / nominal rate. The texts of a marker's channels are joined by
+// blanks.
 
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -17,8 +19,9 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
-#include "gaze/sources/line_reader.h"
-#include "gaze/sources/recorder_clock.h"
+#include "gaze/sources/lsl_stream.h"
+#include "gaze/sources/read_rows.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -299,11 +302,6 @@ class XdfFile {
   std::optional<std::string> cut_off_{};
 };
 
-std::string lowerCase(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 }  // namespace
 
 bool LslStream::isMarkers() const {
@@ -344,33 +342,49 @@ LslStream lslStreamOf(std::string_view xml, const std::string& file) {
   return stream;
 }
 
-bool isXdf(const std::filesystem::path& file) {
-  std::error_code unreadable;
-  if (!std::filesystem::is_regular_file(file, unreadable)) return false;  // a pipe would wait
+namespace {
+
+bool isXdf(const RecordingFile& file) {
   std::array<char, 4> magic{};
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.string().c_str(), "rb"), gzclose);
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.path().string().c_str(), "rb"),
+                                                      gzclose);
   return in && gzread(in.get(), magic.data(), magic.size()) == 4 &&
          std::string_view(magic.data(), magic.size()) == kXdfMagic;
 }
 
-XdfTable readXdf(const std::filesystem::path& file, std::string_view wanted) {
-  const std::string bytes = bytesOf(file);
-  const XdfFile xdf(bytes, file.string());
-  const Stream& stream = xdf.gazeStream(wanted);
-  XdfTable table{.stream = stream.name,
-                 .columns = stream.columns,
-                 .markers = xdf.markers(),
-                 .clock_offsets = stream.clock.size(),
-                 .cut_off = xdf.cutOff()};
-  Samples samples = xdf.samplesOf(stream, table.clock_resets);
+/// Of the stream `gaze.stream`, else of the only stream of gaze (`LslStream::isGaze`).
+TraceHeader readXdf(const RecordingFile& file, const Screen& fallback_screen,
+                    const TakeSample& take) {
+  const std::string bytes = bytesOf(file.path());
+  const XdfFile xdf(bytes, file.path().string());
+  const Stream& stream = xdf.gazeStream(file.columns().stream);
+  std::vector<TraceMarker> markers = xdf.markers();
+  int resets = 0;
+  Samples samples = xdf.samplesOf(stream, resets);
   if (stream.rate_Hz > 0.0) removeJitter(samples.times_s);
+  std::vector<double> values;
   for (std::size_t i = 0; i < samples.times_s.size(); ++i) {
-    table.values.push_back(samples.times_s[i]);
+    values.push_back(samples.times_s[i]);
     const auto row = samples.values.begin() + static_cast<std::ptrdiff_t>(i * stream.channels);
-    table.values.insert(table.values.end(), row,
-                        row + static_cast<std::ptrdiff_t>(stream.channels));
+    values.insert(values.end(), row, row + static_cast<std::ptrdiff_t>(stream.channels));
   }
-  return table;
+  NumberRows rows(file.path().string(), stream.columns, std::move(values));
+  TraceHeader header = readRows(rows, file.columns(), fallback_screen, take);
+  header.format = "XDF, stream " + shown(stream.name) + ", " + header.format;
+  header.markers = std::move(markers);
+  if (stream.clock.empty()) {
+    header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
+  }
+  if (resets > 0) {
+    header.assumed.push_back("clock: the tracker's was reset " + std::to_string(resets) +
+                             " times, and the offsets of each part hold there");
+  }
+  if (xdf.cutOff()) header.warnings.push_back("the file is " + *xdf.cutOff());
+  return header;
 }
+
+}  // namespace
+
+const RecordingFormat kXdf{.is = isXdf, .read = readXdf};
 
 }  // namespace foci

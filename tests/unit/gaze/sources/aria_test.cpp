@@ -1,6 +1,4 @@
 // Project Aria: gaze of the glasses, and the trajectory beside it.
-#include "gaze/sources/aria.h"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 

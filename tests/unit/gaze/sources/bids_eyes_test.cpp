@@ -7,7 +7,6 @@
 #include <string>
 
 #include "base/input_error.h"
-#include "gaze/sources/bids.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {

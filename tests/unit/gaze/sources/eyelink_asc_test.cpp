@@ -1,5 +1,3 @@
-#include "gaze/sources/eyelink_asc.h"
-
 #include <gtest/gtest.h>
 
 #include "gaze/sources/trace_reader.h"

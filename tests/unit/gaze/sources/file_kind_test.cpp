@@ -1,4 +1,4 @@
-#include "gaze/sources/file_kind.h"
+#include "gaze/sources/recording_formats.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

@@ -1,5 +1,3 @@
-#include "gaze/sources/neon_native.h"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 

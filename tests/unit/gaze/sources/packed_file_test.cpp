@@ -1,5 +1,5 @@
 // Damage anywhere in a packed file is reported: what is read is whole, or nothing.
-#include "gaze/sources/packed_file.h"
+#include "gaze/sources/line_reader.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

@@ -1,5 +1,5 @@
 // Tables whose rows are not all one eye of one person.
-#include "gaze/sources/row_groups.h"
+#include "gaze/sources/table_layout.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,4 @@
 // Vendors' tables of gaze in space, written here from their documentation.
-#include "gaze/sources/space_formats.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdio>

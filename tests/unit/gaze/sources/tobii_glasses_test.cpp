@@ -1,5 +1,3 @@
-#include "gaze/sources/tobii_glasses.h"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,3 @@
-#include "gaze/sources/xdf.h"
-
 #include <gtest/gtest.h>
 #include <zlib.h>
 

@@ -1,4 +1,4 @@
-#include "gaze/sources/simple_sources.h"
+#include "gaze/sources/live_source.h"
 
 #include <cassert>
 #include <utility>

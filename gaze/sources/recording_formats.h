@@ -1,0 +1,61 @@
+// The formats of recordings that are more than one table: how a file is recognised, what reads it,
+// and which other files belong to it. A table of a vendor is a row in vendor_tables.cpp or
+// space_formats.cpp instead.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gaze/sources/trace_reader.h"
+
+namespace foci {
+
+/// A recording, and what the study says of its columns.
+class RecordingFile {
+ public:
+  /// @param columns  outlives the object
+  RecordingFile(std::filesystem::path path, const TraceColumns& columns)
+      : path_(std::move(path)), columns_(columns) {}
+
+  const std::filesystem::path& path() const { return path_; }
+  const TraceColumns& columns() const { return columns_; }
+  /// The first line that is not empty. @throws InputError
+  const std::string& firstLine() const;
+  /// Whether the study leaves it to the file which columns hold time and gaze.
+  bool isUndescribed() const {
+    return columns_.time.empty() && columns_.x.empty() && !columns_.space.hasSight();
+  }
+
+ private:
+  std::filesystem::path path_;
+  const TraceColumns& columns_;
+  mutable std::optional<std::string> first_line_{};
+};
+
+struct RecordingFormat {
+  /// @throws InputError if the file cannot be read
+  bool (*is)(const RecordingFile& file);
+  /// Reads as `streamTrace`. @throws InputError
+  TraceHeader (*read)(const RecordingFile& file, const Screen& fallback_screen,
+                      const TakeSample& take);
+  /// As `companionsOf`; null: none.
+  std::vector<std::filesystem::path> (*companions)(const std::filesystem::path& file) = nullptr;
+  /// As `previewSpace`; null: no head.
+  SpacePreview (*preview)(const std::filesystem::path& file) = nullptr;
+};
+
+extern const RecordingFormat kNeonNative, kTobiiGlasses, kBids, kXdf, kEyeLinkAsc, kEyeNavGs,
+    kHoloLens, kAria;
+
+/// What the file is and what to do with it; nothing if it may be a recording as text.
+/// @param start  the first bytes of the file, unpacked; 64 are enough
+/// @param name   its ending distinguishes formats without a magic number
+std::optional<std::string> otherFileKind(std::string_view start, const std::filesystem::path& name);
+
+/// @throws InputError if the file is no text that may hold gaze; a file that cannot be read passes
+void requireGazeText(const std::filesystem::path& file);
+
+}  // namespace foci
