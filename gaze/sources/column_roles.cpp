@@ -166,9 +166,11 @@ std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayou
     if (role != layout.roles.end()) {
       reading.meaning = role->meaning;
       reading.why = isNamed(names, i, given) ? "the study states it"
-                    : !layout.isPlain()      ? "certain: a column of " + layout.format
-                    : names.unit(i).empty()  ? "a guess: its name has no unit"
-                                             : "likely: its name states the unit";
+                    : !layout.lacks.empty()
+                        ? "likely: a column of " + layout.format + ", which lacks " + layout.lacks
+                    : !layout.isPlain()     ? "certain: a column of " + layout.format
+                    : names.unit(i).empty() ? "a guess: its name has no unit"
+                                            : "likely: its name states the unit";
     } else {
       reading.meaning = "unused";
     }

@@ -1,125 +1,144 @@
-#include "gaze/sources/space_formats.h"
-
+// Tables of gaze in space that vendors write, recognised by their columns:
+// - SRanipal (HTC Vive Pro Eye), as in the recorder of Imaoka et al. (2020) and its offspring:
+//   `gaze_direct_L.x`, `gaze_origin_L.x(mm)`, `eye_valid_L`. Its axes are x left, y up, z forward
+//   (SRanipal SDK). With Unity's `head.position.x`, `head.rotation.x` ... `.w` the head moves.
+// - Tobii Pro Glasses, exported by Pro Lab: `Gaze direction left X [HUCS norm]`, `Pupil position
+//   left X [HUCS mm]`. The head unit's axes are x left, y up, z forward.
+// - GazeBaseVR (Lohr et al. 2023): angles `lx`, `ly`, `rx`, `ry` and `x`, `y` of both eyes, deg;
+//   eyes' centres `clx` ... `crz`, m, x right, y up, z forward.
+// - Project Aria's machine perception services: angles whose tangents are those of the direction
+//   (x to the left, y up, z forward), of each eye (`left_yaw_rads_cpf`), or of both eyes together
+//   with a depth; general and personalised, Gen 1 and 2.
 #include <string_view>
+
+#include "gaze/sources/column_names.h"
+#include "gaze/sources/table_layout.h"
 
 namespace foci {
 namespace {
 
-/// The names of the columns whose keys are `before` + a letter of `letters` + `behind`.
-template <std::size_t N>
-std::optional<ColumnList<N>> columnsOf(const ColumnNames& names, const std::string& before,
-                                       std::string_view letters, const std::string& behind = {}) {
-  ColumnList<N> list{};
-  for (std::size_t i = 0; i < N; ++i) {
-    std::string key = before;
-    key += letters[i];
-    key += behind;
-    const auto column = names.find({std::string_view(key)});
-    if (!column) return std::nullopt;
-    list[i] = names.text(*column);
+/// Columns of each eye, as patterns of `keysOf`; empty: the vendor writes none.
+struct SpaceVendor {
+  const char* name;
+  const char* axes;
+  std::string_view needs{};      ///< another column
+  std::string_view direction{};  ///< or angles, horizontal and vertical
+  std::array<std::string_view, 2> angles{}, both_angles{};
+  std::string_view origin{}, validity{}, pupil_mm{}, time{}, depth{};
+  bool millimetres = false, tangents_rad = false;
+  bool needs_both = true, needs_origin = true;
+  ValidityCode code = ValidityCode::below_two;
+  double time_scale_s = 0.0;  ///< 0: as its name says
+};
+
+const SpaceVendor kSpaceVendors[] = {{.name = "Project Aria",
+                                      .axes = "left-up-forward",
+                                      .needs = "trackingtimestamp",
+                                      .angles = {"EYEyawradscpf", "EYEpitchradscpf pitchradscpf"},
+                                      .both_angles = {"yawradscpf", "pitchradscpf"},
+                                      .origin = "tAEYEeyecpf",
+                                      .time = "trackingtimestamp",
+                                      .depth = "depth",
+                                      .tangents_rad = true,
+                                      .needs_both = false,
+                                      .needs_origin = false},
+                                     {.name = "SRanipal",
+                                      .axes = "left-up-forward",
+                                      .direction = "gazedirectEA",
+                                      .origin = "gazeoriginEA",
+                                      .validity = "eyevalidE",
+                                      .pupil_mm = "pupildiameterE",
+                                      .time = "timestamp",
+                                      .millimetres = true,
+                                      .needs_origin = false,
+                                      .code = ValidityCode::gaze_bits},
+                                     {.name = "Tobii Pro Lab, glasses",
+                                      .axes = "left-up-forward",
+                                      .direction = "gazedirectionEYEA",
+                                      .origin = "pupilpositionEYEA",
+                                      .validity = "validityEYE",
+                                      .pupil_mm = "pupildiameterEYE",
+                                      .millimetres = true},
+                                     {.name = "GazeBaseVR",
+                                      .axes = "right-up-forward",
+                                      .needs = "n",
+                                      .angles = {"Ex", "Ey"},
+                                      .both_angles = {"x", "y"},
+                                      .origin = "cEA",
+                                      .time = "n",
+                                      .time_scale_s = 1e-3}};
+
+std::string columnOf(const ColumnNames& names, std::string_view pattern, std::size_t side = 0) {
+  const auto column = names.find(keysOf(pattern, side));
+  return column ? std::string(names.text(*column)) : std::string();
+}
+
+/// x, y and z, or none of them.
+ColumnList<3> tripleOf(const ColumnNames& names, std::string_view pattern, std::size_t side) {
+  ColumnList<3> list{};
+  for (std::size_t axis : {0, 1, 2}) {
+    const auto column = names.find(keysOf(pattern, side, "xyz"[axis]));
+    if (!column) return {};
+    list[axis] = names.text(*column);
   }
   return list;
 }
 
-std::string columnOf(const ColumnNames& names, const std::string& key) {
-  const auto column = names.find({std::string_view(key)});
-  return column ? std::string(names.text(*column)) : std::string();
+ColumnList<2> anglesOf(const ColumnNames& names, const std::array<std::string_view, 2>& patterns,
+                       std::size_t side) {
+  ColumnList<2> list{columnOf(names, patterns[0], side), columnOf(names, patterns[1], side)};
+  return list[0].empty() || list[1].empty() ? ColumnList<2>{} : list;
 }
 
-std::optional<SpaceFormat> sranipal(const ColumnNames& names) {
-  SpaceFormat format{.name = "SRanipal",
-                     .validity_code = ValidityCode::gaze_bits,
-                     .time = columnOf(names, "timestamp")};
-  format.columns.axes = "left-up-forward";
-  format.columns.origin_scale_m = 1e-3;
-  for (std::size_t side : {0, 1}) {
-    const std::string eye = side == 0 ? "l" : "r";
-    const auto direction = columnsOf<3>(names, "gazedirect" + eye, "xyz");
-    if (!direction) return std::nullopt;
-    SightColumns& sight = format.columns.eyes[side];
-    sight.direction = *direction;
-    sight.origin = columnsOf<3>(names, "gazeorigin" + eye, "xyz").value_or(ColumnList<3>{});
-    format.validity[side] = columnOf(names, "eyevalid" + eye);
-    format.pupil_mm[side] = columnOf(names, "pupildiameter" + eye);
-  }
-  const std::size_t clock =
-      names.find("timestamp").value_or(names.find("time").value_or(names.size()));
-  if (clock < names.size() && names.text(clock).ends_with("(100ns)")) {
-    format.time = names.text(clock);
+/// Recorders with SRanipal write its own clock in ms, or that of .NET.
+void takeSranipalClock(const ColumnNames& names, SpaceFormat& format) {
+  const auto clock = names.find("timestamp time");
+  if (clock && names.text(*clock).ends_with("(100ns)")) {
+    format.time = names.text(*clock);
     format.time_scale_s = 1e-7;
-  } else if (clock < names.size() && names.key(clock) == "timestamp" && names.unit(clock).empty()) {
+  } else if (clock && names.key(*clock) == "timestamp" && names.unit(*clock).empty()) {
     format.time_scale_s = 1e-3;
   }
-  return format;
 }
 
-std::optional<SpaceFormat> tobiiGlasses(const ColumnNames& names) {
-  SpaceFormat format{.name = "Tobii Pro Lab, glasses"};
-  format.columns.axes = "left-up-forward";
-  format.columns.origin_scale_m = 1e-3;
-  for (std::size_t side : {0, 1}) {
-    const std::string eye = side == 0 ? "left" : "right";
-    const auto direction = columnsOf<3>(names, "gazedirection" + eye, "xyz");
-    const auto origin = columnsOf<3>(names, "pupilposition" + eye, "xyz");
-    if (!direction || !origin) return std::nullopt;
-    SightColumns& sight = format.columns.eyes[side];
-    sight.direction = *direction;
-    sight.origin = *origin;
-    format.validity[side] = columnOf(names, "validity" + eye);
-    format.pupil_mm[side] = columnOf(names, "pupildiameter" + eye);
-  }
-  return format;
-}
-
-std::optional<SpaceFormat> gazeBaseVr(const ColumnNames& names) {
-  if (!names.find("n") || !names.find("clx")) return std::nullopt;
-  SpaceFormat format{.name = "GazeBaseVR", .time = columnOf(names, "n"), .time_scale_s = 1e-3};
-  format.columns.axes = "right-up-forward";
-  format.columns.both.angles = columnsOf<2>(names, "", "xy").value_or(ColumnList<2>{});
-  for (std::size_t side : {0, 1}) {
-    const std::string eye = side == 0 ? "l" : "r";
-    const auto angles = columnsOf<2>(names, eye, "xy");
-    const auto origin = columnsOf<3>(names, "c" + eye, "xyz");
-    if (!angles || !origin) return std::nullopt;
-    format.columns.eyes[side].angles = *angles;
-    format.columns.eyes[side].origin = *origin;
-  }
-  return format;
-}
-
-std::optional<SpaceFormat> aria(const ColumnNames& names) {
-  SpaceFormat format{.name = "Project Aria", .time = columnOf(names, "trackingtimestamp")};
-  if (format.time.empty()) return std::nullopt;
+std::optional<SpaceFormat> formatOf(const SpaceVendor& vendor, const ColumnNames& names) {
+  if (!vendor.needs.empty() && !names.find(vendor.needs)) return std::nullopt;
+  SpaceFormat format{
+      .name = vendor.name, .validity_code = vendor.code, .time = columnOf(names, vendor.time)};
+  if (vendor.time_scale_s > 0.0) format.time_scale_s = vendor.time_scale_s;
   SpaceColumns& columns = format.columns;
-  columns.axes = "left-up-forward";
-  columns.angle_units = AngleUnit::rad;
-  columns.angles_are_tangents = true;
-  const std::string pitch = columnOf(names, "pitchradscpf");
+  columns.axes = vendor.axes;
+  columns.origin_scale_m = vendor.millimetres ? 1e-3 : 1.0;
+  columns.angle_units = vendor.tangents_rad ? AngleUnit::rad : AngleUnit::deg;
+  columns.angles_are_tangents = vendor.tangents_rad;
   for (std::size_t side : {0, 1}) {
-    const std::string eye = side == 0 ? "left" : "right";
-    const std::string yaw = columnOf(names, eye + "yawradscpf");
-    std::string own_pitch = columnOf(names, eye + "pitchradscpf");
-    if (own_pitch.empty()) own_pitch = pitch;
-    if (yaw.empty() || own_pitch.empty()) continue;
-    columns.eyes[side].angles = {yaw, own_pitch};
-    columns.eyes[side].origin =
-        columnsOf<3>(names, "t", "xyz", eye + "eyecpf").value_or(ColumnList<3>{});
+    SightColumns& sight = columns.eyes[side];
+    sight.direction = tripleOf(names, vendor.direction, side);
+    sight.angles = anglesOf(names, vendor.angles, side);
+    const bool has_sight = sight.hasSight();
+    if (has_sight) sight.origin = tripleOf(names, vendor.origin, side);
+    if ((vendor.needs_both && !has_sight) || (vendor.needs_origin && sight.origin[0].empty())) {
+      return std::nullopt;
+    }
+    format.validity[side] = columnOf(names, vendor.validity, side);
+    format.pupil_mm[side] = columnOf(names, vendor.pupil_mm, side);
   }
-  if (const std::string yaw = columnOf(names, "yawradscpf");
-      !columns.hasSight() && !yaw.empty() && !pitch.empty()) {
-    columns.both.angles = {yaw, pitch};
-    columns.depth = columnOf(names, "depth");
+  if (vendor.needs_both || !columns.hasSight()) {
+    columns.both.angles = anglesOf(names, vendor.both_angles, 0);
+    if (columns.both.hasSight()) columns.depth = columnOf(names, vendor.depth);
   }
-  return columns.hasSight() ? std::optional(format) : std::nullopt;
+  if (!columns.hasSight()) return std::nullopt;
+  if (vendor.code == ValidityCode::gaze_bits) takeSranipalClock(names, format);
+  return format;
 }
 
 }  // namespace
 
 std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names) {
-  if (auto format = aria(names)) return format;
-  if (auto format = sranipal(names)) return format;
-  if (auto format = tobiiGlasses(names)) return format;
-  return gazeBaseVr(names);
+  for (const SpaceVendor& vendor : kSpaceVendors) {
+    if (auto format = formatOf(vendor, names)) return format;
+  }
+  return std::nullopt;
 }
 
 }  // namespace foci

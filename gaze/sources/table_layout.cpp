@@ -8,7 +8,6 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
-#include "gaze/sources/space_formats.h"
 
 namespace foci {
 namespace {

@@ -127,10 +127,11 @@ struct TableLayout {
   std::vector<ColumnRole> roles{};        ///< of the columns above; the first one of a column holds
   std::optional<SpaceLayout> space{};     ///< gaze in space; then there are no points
   std::vector<ColumnReading> readings{};  ///< of every column
-  std::string unused_validity{};          ///< a column that seems to mark data loss; empty: none
-  bool headless = false;                  ///< the first line is a row, not a header
-  std::size_t names = 0;                  ///< number of columns in the header
-  std::size_t columns = 0;                ///< number of columns up to the last one in use
+  std::string lacks{};            ///< a column that the vendor's complete tables have; empty: none
+  std::string unused_validity{};  ///< a column that seems to mark data loss; empty: none
+  bool headless = false;          ///< the first line is a row, not a header
+  std::size_t names = 0;          ///< number of columns in the header
+  std::size_t columns = 0;        ///< number of columns up to the last one in use
 
   /// No vendor's format.
   bool isPlain() const {
@@ -145,6 +146,19 @@ struct TableLayout {
   /// Columns that a row of the eye tracker fills. @param with_rating  also those that rate gaze
   std::vector<std::size_t> gazeColumns(bool with_rating) const;
 };
+
+/// A vendor's table of gaze in space.
+struct SpaceFormat {
+  std::string name;  ///< for reports
+  SpaceColumns columns{};
+  std::array<std::string, 2> validity{}, pupil_mm{};  ///< columns of each eye; may be empty
+  ValidityCode validity_code = ValidityCode::below_two;
+  std::string time{};  ///< empty: by its usual name
+  std::optional<double> time_scale_s{};
+};
+
+/// Nothing for a table of no known vendor.
+std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names);
 
 /// What the columns hold, as far as the layout says.
 std::vector<ColumnRole> rolesOf(const TableLayout& layout, const TraceColumns& given);

@@ -346,26 +346,29 @@ std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const
   return doubts;
 }
 
-std::vector<std::string> TraceDoubts::sentences(const TraceHeader& header,
-                                                const TraceColumns& columns) const {
-  std::vector<std::string> doubts = screenDoubts(header);
+void TraceDoubts::state(const TraceColumns& columns, TraceHeader& header) const {
   const auto append = [&](std::vector<std::string> more) {
-    doubts.insert(doubts.end(), std::make_move_iterator(more.begin()),
-                  std::make_move_iterator(more.end()));
+    header.warnings.insert(header.warnings.end(), std::make_move_iterator(more.begin()),
+                           std::make_move_iterator(more.end()));
+    return !more.empty();
   };
+  append(screenDoubts(header));
   append(rowDoubts());
   append(rateDoubts());
   append(space_.sentences(header.gaze_in_world, header.world_y_up));
-  if (kept_.kept().size() < kMinPositions || columns.mapped_later || columns.space.from_head) {
-    return doubts;
-  }
+  if (kept_.kept().size() < kMinPositions || columns.mapped_later || columns.space.from_head)
+    return;
   std::vector<glm::dvec2> points_px;
-  points_px.reserve(kept_.kept().size());
   for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
   append(lossDoubts(header));
-  append(positionDoubts(positionsOf(points_px, header), last_s_ - first_s_));
+  const bool doubtful = append(positionDoubts(positionsOf(points_px, header), last_s_ - first_s_));
   append(eyeDoubts(header));
-  return doubts;
+  constexpr std::string_view kCertain = "certain: a column of ";
+  for (ColumnReading& reading : header.columns) {
+    if (!doubtful || !reading.why.starts_with(kCertain)) continue;
+    reading.why = "doubtful: as a column of " + reading.why.substr(kCertain.size()) +
+                  ", but its positions are not usual (see the warnings)";
+  }
 }
 
 }  // namespace foci

@@ -65,10 +65,11 @@ class TraceDoubts {
  public:
   void add(const GazeSample& sample);
 
-  /// One sentence for each doubt, with the key to set. Positions that a gaze map will change, or
-  /// fewer than a hundred of them, raise no doubt of their own.
+  /// Adds one warning for each doubt, with the key to set. Positions that a gaze map will change,
+  /// or fewer than a hundred of them, raise no doubt of their own. If they raise one, no column is
+  /// certain.
   /// @param header  of the same recording; its screen may be unknown in part
-  std::vector<std::string> sentences(const TraceHeader& header, const TraceColumns& columns) const;
+  void state(const TraceColumns& columns, TraceHeader& header) const;
 
  private:
   struct Kept {

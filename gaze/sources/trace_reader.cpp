@@ -105,9 +105,7 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
     header.assumed.push_back("gaze: straight ahead of the head (gaze.from_head)");
   }
   fillScreen(fallback_screen, header);
-  for (std::string& doubt : doubts.sentences(header, columns)) {
-    header.warnings.push_back(std::move(doubt));
-  }
+  doubts.state(columns, header);
   return header;
 }
 

@@ -20,6 +20,8 @@ struct Vendor {
   const char* name;
   /// All of these columns; blanks separate choices.
   std::array<std::string_view, 6> needs{};
+  /// Beside them, so that the format is certain.
+  std::array<std::string_view, 3> complete{};
   std::optional<GazeUnits> units{};
   double time_scale_s = 0.0;  ///< unless the time's name has a unit; 0: unknown
   std::optional<ValidityCode> code{};
@@ -63,7 +65,8 @@ void takeSmi(Names names, TableLayout& layout) {
   if (const auto type = names.find("type")) {
     layout.rows = {.column = type, .only = "SMP"};
   } else {
-    layout.rows = {.column = names.find("categoryright categoryleft"), .except = "Separator"};
+    layout.rows = {.column = names.find("categoryright categoryleft categorybinocular"),
+                   .except = "Separator"};
   }
 }
 
@@ -74,7 +77,8 @@ bool isSurface(Names names, const TablePreamble&) {
 
 bool isSmi(Names names, const TablePreamble& before) {
   return before.smi ||
-         (names.find("recordingtime") && names.find("pointofregardleftx pointofregardrightx")) ||
+         (names.find("recordingtime") &&
+          names.find("pointofregardleftx pointofregardrightx pointofregardbinocularx")) ||
          (names.find("type") && names.find("trial") && names.find("lporx rporx"));
 }
 
@@ -97,6 +101,7 @@ constexpr std::optional<GazeUnits> kPx = GazeUnits::px, kDeg = GazeUnits::deg,
 const Vendor kVendors[] = {
     {.name = "Gazepoint",
      .needs = {"bpogx fpogx lpogx rpogx", "bpogy fpogy lpogy rpogy"},
+     .complete = {"time timetick", "bpogv fpogv lpogv rpogv"},
      .units = kFractions,
      .code = ValidityCode::one,
      .only_unnamed = true,
@@ -104,6 +109,8 @@ const Vendor kVendors[] = {
     {.name = "Tobii Pro SDK",
      .needs = {"leftgazepointondisplayarea rightgazepointondisplayarea "
                "leftgazepointondisplayareax rightgazepointondisplayareax"},
+     .complete = {"leftgazepointvalidity", "rightgazepointvalidity",
+                  "devicetimestamp systemtimestamp"},
      .units = kFractions,
      .time_scale_s = 1e-6,
      .code = ValidityCode::one},
@@ -114,6 +121,7 @@ const Vendor kVendors[] = {
      .time_scale_s = 1e-3,
      .code = ValidityCode::one},
     {.name = "Tobii Studio",
+     .complete = {"validityleft", "validityright"},
      .units = kPx,
      .time_scale_s = 1e-3,
      .zero_is_absent = true,
@@ -121,20 +129,24 @@ const Vendor kVendors[] = {
      .more = takeStudio},
     {.name = "Tobii Pro Lab",
      .needs = {"recordingtimestamp", "gazepointx gazepointleftx", "gazepointy gazepointlefty"},
+     .complete = {"sensor eyetrackertimestamp", "validityleft", "validityright"},
      .units = kPx,
      .more = takeProLab},
     {.name = "Pupil Core export",
      .needs = {"gazetimestamp", "posx x", "posy y", "basedata"},
+     .complete = {"confidence", "worldindex"},
      .units = kFractions,
      .time_scale_s = 1.0,
      .y_up = true,
      .of_scene_camera = true},
     {.name = "Pupil Core surface",
+     .complete = {"confidence", "worldindex worldtimestamp"},
      .units = kFractions,
      .time_scale_s = 1.0,
      .y_up = true,
      .is = isSurface},
     {.name = "Neon export",
+     .complete = {"worn"},
      .code = ValidityCode::not_zero,
      .validity = "worn",
      .of_scene_camera = true,
@@ -150,6 +162,7 @@ const Vendor kVendors[] = {
      .zero_is_absent = true,
      .more = takeEyeLinkRelay},
     {.name = "SMI BeGaze",
+     .complete = {"trial", "type categoryright categoryleft categorybinocular"},
      .units = kPx,
      .time_scale_s = 1e-6,
      .zero_is_absent = true,
@@ -157,6 +170,7 @@ const Vendor kVendors[] = {
      .more = takeSmi},
     {.name = "GazeBase",
      .needs = {"n", "x", "y", "val", "dp"},
+     .complete = {"xt", "yt", "lab"},
      .units = kDeg,
      .time_scale_s = 1e-3,
      .code = ValidityCode::zero,
@@ -192,6 +206,10 @@ void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
     return;
   }
   layout.format = found->name;
+  for (const std::string_view keys : found->complete) {
+    const bool has = keys.empty() || names.find(keys);
+    if (!has && layout.lacks.empty()) layout.lacks = keys.substr(0, keys.find(' '));
+  }
   if (found->units && !(layout.units && found->units == kPx)) layout.units = found->units;
   if (layout.time_scale_s == 0.0 || (found->time_scale_s == 1.0 && !columns.time_scale_s)) {
     if (found->time_scale_s > 0.0) layout.time_scale_s = found->time_scale_s;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include "gaze/sources/trace_reader.h"
@@ -114,6 +115,58 @@ TEST(VendorExport, SmiBeGazeRawDataHasSeparatorsAndDashes) {
   expectPoint(trace.samples[0].point_px, 840, 530);
   EXPECT_FALSE(trace.samples[1].point_px);
   EXPECT_FALSE(trace.samples[3].point_px);
+}
+
+TEST(VendorExport, SmiWithoutItsPreambleIsReadTheSame) {
+  std::ifstream file(recording("smi_idf_converter.txt"));
+  std::string line, text;
+  while (std::getline(file, line)) {
+    if (!line.starts_with("##")) text += line + "\n";
+  }
+  const GazeTrace with = read("smi_idf_converter.txt");
+  const GazeTrace without = readTrace(ScratchFile(text).path(), {}, {});
+  EXPECT_EQ(without.format, "SMI BeGaze, binocular");
+  EXPECT_EQ(without.screen->size_px, glm::ivec2(0));
+  ASSERT_EQ(without.samples.size(), with.samples.size());
+  for (std::size_t i = 0; i < with.samples.size(); ++i) {
+    EXPECT_EQ(without.samples[i].time_s, with.samples[i].time_s);
+    EXPECT_EQ(without.samples[i].point_px, with.samples[i].point_px);
+    EXPECT_EQ(without.samples[i].pupil_mm, with.samples[i].pupil_mm);
+  }
+}
+
+TEST(VendorExport, SmiOfBothEyesTogetherIsRecognised) {
+  const GazeTrace trace =
+      readTrace(ScratchFile("RecordingTime [ms];Trial;Category Binocular;"
+                            "Point of Regard Binocular X [px];Point of Regard Binocular Y [px]\n"
+                            "10.0;T1;Separator;-;-\n12.0;T1;Fixation;850.0;540.0\n"
+                            "20.0;T1;Blink;0.0;0.0\n28.0;T1;Fixation;852.0;542.0\n")
+                    .path(),
+                {}, {});
+  EXPECT_EQ(trace.format, "SMI BeGaze");
+  ASSERT_EQ(trace.samples.size(), 3u);
+  expectPoint(trace.samples[0].point_px, 850, 540);
+  EXPECT_FALSE(trace.samples[1].point_px);
+}
+
+std::string whyOf(const std::string& text) {
+  return streamTrace(ScratchFile(text).path(), {}, {}, [](const GazeSample&) {}).columns[1].why;
+}
+
+TEST(VendorExport, OnlyACompleteTableOfUsualValuesIsCertain) {
+  const auto rows = [](const std::string& behind, double scale) {
+    std::string text;
+    for (int i = 0; i < 800; ++i) {
+      text += std::to_string(i / 60.0) + "," + std::to_string(scale * (0.1 + 0.2 * (i / 40 % 5))) +
+              "," + std::to_string(scale * (0.2 + 0.3 * (i / 40 % 3)) + 1e-3 * (i % 2)) + behind +
+              "\n";
+    }
+    return text;
+  };
+  EXPECT_EQ(whyOf("TIME,BPOGX,BPOGY,BPOGV\n" + rows(",1", 1.0)), "certain: a column of Gazepoint");
+  EXPECT_EQ(whyOf("TIME,BPOGX,BPOGY\n" + rows("", 1.0)),
+            "likely: a column of Gazepoint, which lacks bpogv");
+  EXPECT_TRUE(whyOf("TIME,BPOGX,BPOGY,BPOGV\n" + rows(",1", 3.0)).starts_with("doubtful: "));
 }
 
 TEST(VendorExport, NamesWithNormAreFractions) {
