@@ -232,8 +232,10 @@ class RowReader {
                       .direction = own.direction,
                       .pupil_mm = own.pupil_mm,
                       .pupil_own = own.pupil_own};
+    // Eyes measured in turn are half an interval apart, to the rounding of the times: not a pair.
+    constexpr double kPaired = 0.4;
     if (first_eye_ && side != first_side_ &&
-        own.time_s - first_eye_->time_s <= 0.5 * groups.eye_interval) {
+        own.time_s - first_eye_->time_s <= kPaired * groups.eye_interval) {
       GazeSample& both = *first_eye_;
       both.eyes[side] = own.eyes[side];
       both.blink = both.blink && own.blink;

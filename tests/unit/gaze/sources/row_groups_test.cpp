@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <string>
 
 #include "gaze/sources/trace_reader.h"
@@ -85,6 +86,23 @@ TEST(RowGroups, OneRowForEachEyeIsOneSampleOfBoth) {
       EXPECT_EQ(*sample.eyes[1].point_px, glm::dvec2(gazeX(100) + 10.0, 302.0));
       EXPECT_EQ(*sample.point_px, glm::dvec2(gazeX(100) + 5.0, 301.0));
     }
+  }
+}
+
+TEST(RowGroups, EyesMeasuredInTurnAreSamplesOfTheirOwn) {
+  std::string text = "time_s,eye_id,x_px,y_px\n";
+  for (int i = 0; i < kSamples; ++i) {
+    char time[16];
+    std::snprintf(time, sizeof time, "%.5f", i / 240.0);  // rounded: intervals of 4.16 and 4.17 ms
+    text += std::string(time) + "," + std::to_string(i % 2) + "," + std::to_string(gazeX(i / 4)) +
+            ",300\n";
+  }
+  const GazeTrace trace = read(text);
+  EXPECT_EQ(trace.samples.size(), kSamples);
+  EXPECT_NEAR(trace.rate_Hz, 240.0, 0.5);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_TRUE(trace.samples[i].eyes[i % 2].point_px) << i;
+    EXPECT_FALSE(trace.samples[i].eyes[1 - i % 2].point_px) << i;
   }
 }
 
