@@ -62,14 +62,14 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source) {
 
 void refuseOtherThanFiles(const std::filesystem::path& video) {
   requireRegularFile(video);
+  std::error_code ignored;
   if (!isPattern(video)) {
-    if (std::filesystem::exists(video)) requireImagePixels(video);
+    if (std::filesystem::exists(video, ignored)) requireImagePixels(video);
     return;
   }
   const std::string name = video.filename().string();
   const std::string before = name.substr(0, name.find('%'));
   const auto folder = video.has_parent_path() ? video.parent_path() : std::filesystem::path(".");
-  std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
     const auto& image = entry.path();
     if (image.extension() != video.extension()) continue;
