@@ -31,6 +31,7 @@ import argparse
 import concurrent.futures
 import importlib
 import pathlib
+import signal
 import sys
 import time
 
@@ -39,6 +40,7 @@ import box  # noqa: E402
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job, and its children, ignore it
     parser = argparse.ArgumentParser(description="attacks on foci; goal: 0 faults")
     parser.add_argument("foci", type=pathlib.Path)
     parser.add_argument("--only", default="", help="cases whose name has this text")

@@ -86,8 +86,15 @@ class Observer:
 
     def pixels(self, only_row=None):
         """Width, height and rows of RGB bytes of the display's image (Xvfb keeps an XWD file)."""
-        with open(glob.glob(self.folder.name + "/Xvfb_screen0")[0], "rb") as file:
-            data = file.read()
+        def read():
+            with open(glob.glob(self.folder.name + "/Xvfb_screen0")[0], "rb") as file:
+                return file.read()
+
+        data = read()
+        for _ in range(100 if only_row is None else 0):  # the server may be in the middle of a frame
+            before, data = data, read()
+            if data == before:
+                break
         head = struct.unpack(">25I", data[:100])
         start, width, height, line = head[0] + 12 * head[19], head[4], head[5], head[12]
         rows = []
