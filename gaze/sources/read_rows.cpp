@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/sources/column_names.h"
 #include "gaze/sources/row_times.h"
 #include "gaze/sources/table_row.h"
 
@@ -67,6 +68,48 @@ class LastDecimals {
   bool fixed_ = true;
 };
 
+/// A column of few values that is no part of a sample.
+struct WatchedColumn {
+  static constexpr std::size_t kMostValues = 12, kShortest = 100;
+
+  std::size_t column = 0;
+  std::vector<std::string> values{};          // in order of appearance
+  bool in_blocks = true;                      // each value in rows one after another
+  std::size_t rows = 0, shortest = SIZE_MAX;  // of this block; of the blocks before
+
+  /// @return whether another block begins
+  bool changes(std::string_view value) {
+    ++rows;
+    if (value.empty() || (!values.empty() && values.back() == value)) return false;
+    in_blocks = values.size() < kMostValues && std::ranges::find(values, value) == values.end();
+    if (!in_blocks) return false;
+    if (!values.empty()) shortest = std::min(shortest, rows);
+    rows = 0;
+    values.emplace_back(value);
+    return values.size() > 1;
+  }
+
+  /// Whether the values may be people or recordings. The parts of an experiment are none.
+  bool mayBePeople(std::string_view name) const {
+    if (values.size() < 2 || std::min(shortest, rows) < kShortest) return false;
+    const std::string key = lowerCase(name);
+    for (const std::string_view part :
+         {"trial",    "block",    "cond",  "stim",    "image", "picture", "page",    "task",
+          "phase",    "event",    "label", "word",    "item",  "target",  "marker",  "message",
+          "aoi",      "scene",    "media", "video",   "state", "fix",     "sacc",    "count",
+          "frame",    "section",  "round", "level",   "class", "text",    "trigger", "button",
+          "response", "movement", "type",  "pursuit", "blink", "valid"}) {
+      if (key.find(part) != key.npos) return false;
+    }
+    const bool numbers = std::ranges::all_of(
+        values, [](const std::string& value) { return parseNumber(value).has_value(); });
+    return !numbers || key.ends_with("id") || key.ends_with("name") || isWordOf(kParts, key);
+  }
+
+  static constexpr std::string_view kParts =
+      "session sess visit day run file filename group code nr no number who";
+};
+
 class RowReader {
  public:
   RowReader(Rows& rows, const TraceColumns& columns, const Screen& fallback, const TakeSample& take)
@@ -94,7 +137,12 @@ class RowReader {
       nominal_ = true;
     }
     rows_.survey(1, [&] { refuseExtraFields(); });
-    rows_.limitTo(layout_.columns);
+    std::size_t columns_used = layout_.columns;
+    for (const std::size_t column : layout_.groups.watched) {
+      watched_.push_back({.column = column});
+      columns_used = std::max(columns_used, column + 1);
+    }
+    rows_.limitTo(columns_used);
   }
 
   TraceHeader read() {
@@ -137,7 +185,28 @@ class RowReader {
     readResolution();
     readSample(sample_);
     if (layout_.groups.isEmpty()) return times_.add(sample_);
+    if (!watched_.empty() && beginsAnew()) return;
     addOfGroup();
+  }
+
+  /// Whether the clock is set back where a watched column changes. The column then tells recordings
+  /// apart.
+  bool beginsAnew() {
+    constexpr double kFewRows = 8.0;
+    if (watched_rows_++ == 0) watch_from_ = watch_last_ = sample_.time_s;
+    const double back = watch_last_ - sample_.time_s, span = watch_last_ - watch_from_;
+    const bool is_back = back * static_cast<double>(watched_rows_) > kFewRows * span && back > 0.0;
+    watch_last_ = sample_.time_s;
+    bool begins = false;
+    for (WatchedColumn& watched : watched_) {
+      if (!watched.changes(valueAt(watched.column)) || !is_back || begins) continue;
+      begins = true;
+      layout_.groups.people.push_back(watched.column);
+      people_.push_back(watched.values);
+    }
+    std::erase_if(watched_, [](const WatchedColumn& watched) { return !watched.in_blocks; });
+    if (begins) watched_.clear();
+    return begins;
   }
 
   std::string_view valueAt(std::size_t column) const {
@@ -277,10 +346,7 @@ class RowReader {
       throw SeveralPeople(rows_.source(), rows_.names()[groups.people[i]], people_[i]);
     }
     if (groups.only.empty() || any_chosen_) return;
-    std::string others;
-    for (std::size_t i = 0; i < std::min<std::size_t>(other_values_.size(), 6); ++i) {
-      others += (i == 0 ? "" : ", ") + shown(other_values_[i]);
-    }
+    const std::string others = listOf(other_values_);
     throw InputError(rows_.source(), "no row is of gaze.rows: its column has " +
                                          (others.empty() ? "no other values" : others));
   }
@@ -392,6 +458,18 @@ class RowReader {
   }
 
   void stateGroups(TraceHeader& header) const {
+    for (const WatchedColumn& watched : watched_) {
+      const std::string& name = rows_.names()[watched.column];
+      if (!watched.mayBePeople(name)) continue;
+      header.warnings.push_back(
+          "column " + shown(name) + " has " + std::to_string(watched.values.size()) +
+          " values, one after another: " + listOf(watched.values) +
+          "; if they are people or recordings, read one with gaze.rows = { " + quotedText(name) +
+          " = " + quotedText(watched.values.front()) + " }");
+    }
+    if (!layout_.validity_note.empty()) {
+      (layout_.isPlain() ? header.assumed : header.warnings).push_back(layout_.validity_note);
+    }
     const RowGroups& groups = layout_.groups;
     if (foreign_ > 0) {
       header.assumed.push_back(std::to_string(foreign_) +
@@ -424,7 +502,10 @@ class RowReader {
   LastDecimals last_decimals_{};
   std::array<bool, 2> eyes_seen_{};
   std::vector<std::vector<std::string>> people_{};  // values of `RowGroups::people`
-  std::vector<std::string> other_values_{};         // that the study does not choose
+  std::vector<WatchedColumn> watched_{};
+  std::size_t watched_rows_ = 0;
+  double watch_from_ = 0.0, watch_last_ = 0.0;  // times of the first and the latest row
+  std::vector<std::string> other_values_{};     // that the study does not choose
   bool any_chosen_ = false;
   std::size_t foreign_ = 0;                // rows
   std::vector<GazeSample> pending_{};      // without gaze, since the last one with gaze
@@ -447,24 +528,6 @@ Screen screenInForce(Screen screen, const Screen& fallback) {
 TraceHeader readRows(Rows& rows, const TraceColumns& columns, const Screen& fallback_screen,
                      const TakeSample& take) {
   return RowReader(rows, columns, fallback_screen, take).read();
-}
-
-std::optional<ValueColumn> peopleIn(Rows& rows, const TraceColumns& columns) {
-  const TableLayout layout = recogniseTable(rows, columns);
-  for (const std::size_t column : layout.groups.people) {
-    ValueColumn people{.at = column};
-    while (rows.next()) {
-      if (column >= rows.size() || rows.text(column).empty()) continue;
-      const std::string_view value = rows.text(column);
-      if (!people.values.empty() && people.values.back() == value) continue;
-      if (std::ranges::find(people.values, value) == people.values.end()) {
-        people.values.emplace_back(value);
-      }
-    }
-    if (people.values.size() > 1) return people;
-    return std::nullopt;
-  }
-  return std::nullopt;
 }
 
 }  // namespace foci

@@ -16,8 +16,4 @@ Screen screenInForce(Screen screen, const Screen& fallback);
 TraceHeader readRows(Rows& rows, const TraceColumns& columns, const Screen& fallback_screen,
                      const TakeSample& take);
 
-/// The people of a table, or the recordings in it: one value of one column each, in order of
-/// appearance. Empty for a recording of one person.
-std::optional<ValueColumn> peopleIn(Rows& rows, const TraceColumns& columns);
-
 }  // namespace foci

@@ -25,13 +25,22 @@ constexpr double kFarApart = 5.0;        // times the distance within a group
 constexpr double kBetween = 1.5;         // usual intervals: no sample is lost in between
 
 constexpr std::string_view kPeople =
-    "participant participantname participantid participantno participantnumber subject subjectid "
-    "subjectname subjectno subjectnumber sub subj subid person personid user userid username "
-    "respondent respondentname respondentid observer observerid pid ppid ppt player playerid "
-    "recording recordingname recordingid recordingno";
+    "participant subject sub subj person user respondent observer player patient recording pid "
+    "ppid ppt vp";
+constexpr std::string_view kOfPeople = "name id no nr num number code label n";  // behind them
 constexpr std::string_view kDevices =
     "sensor sensortype device devicename source eventsource stream streamname modality datatype "
     "rowtype sampletype";
+
+/// "participant", "subject_nr"
+bool namesPeople(std::string_view key) {
+  if (key == "username" || isWordOf(kPeople, key)) return true;
+  std::vector<std::string_view> ends;
+  splitWords(kOfPeople, ends);
+  return std::ranges::any_of(ends, [&](std::string_view end) {
+    return key.ends_with(end) && isWordOf(kPeople, key.substr(0, key.size() - end.size()));
+  });
+}
 
 /// 0: left, 1: right.
 std::optional<std::size_t> sideNamed(std::string_view value) {
@@ -179,6 +188,7 @@ class Grouper {
     findDevice();
     findForeign();
     if (!groups_.eye) findOthers();
+    findWatched();
   }
 
  private:
@@ -187,11 +197,20 @@ class Grouper {
   }
 
   void findPeople() {
-    std::vector<std::string_view> keys;
-    splitWords(kPeople, keys);
-    for (const std::string_view key : keys) {
-      const auto column = names_.find(key);
-      if (column && !layout_.uses(*column) && !isOnly(*column)) groups_.people.push_back(*column);
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (namesPeople(names_.key(i)) && !layout_.uses(i) && !isOnly(i)) groups_.people.push_back(i);
+    }
+  }
+
+  /// Plain tables' other columns of few values: whoever reads on sees whether they change.
+  void findWatched() {
+    if (!layout_.isPlain()) return;
+    for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
+      const std::size_t column = survey_.candidates()[i];
+      const bool known = std::ranges::find(groups_.people, column) != groups_.people.end() ||
+                         groups_.eye == column ||
+                         (groups_.device && groups_.device->at == column) || isOnly(column);
+      if (!known && !valuesOf(survey_, i, false).empty()) groups_.watched.push_back(column);
     }
   }
 
@@ -278,6 +297,8 @@ class Grouper {
   RowGroups& groups_;
 };
 
+}  // namespace
+
 std::string listOf(const std::vector<std::string>& values) {
   constexpr std::size_t kMaxListed = 6;
   std::string text;
@@ -286,8 +307,6 @@ std::string listOf(const std::vector<std::string>& values) {
   }
   return values.size() > kMaxListed ? text + ", ..." : text;
 }
-
-}  // namespace
 
 SeveralPeople::SeveralPeople(const std::string& source, std::string of_column,
                              std::vector<std::string> all)

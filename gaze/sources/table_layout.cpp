@@ -61,6 +61,7 @@ class Recogniser {
     }
     findRest();
     if (!layout_.space) takeVendorFormat(names_, given_, before_, layout_);
+    judgeValidity(rows_, layout_);
     if (layout_.camera_axes && layout_.x && !layout_.sights_beside) leaveOutEmptyDirections();
     refuseOtherTables();
     layout_.has_eyes = layout_.eyes != std::array<EyeColumns, 2>{};

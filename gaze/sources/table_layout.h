@@ -64,6 +64,9 @@ struct SeveralPeople : InputError {
   std::vector<std::string> values;  ///< of it, in order of appearance
 };
 
+/// "a", "b", "c"; the first six.
+std::string listOf(const std::vector<std::string>& values);
+
 /// A column of few values.
 struct ValueColumn {
   std::size_t at = 0;
@@ -81,10 +84,12 @@ struct RowGroups {
   bool foreign_if_blank = false;  ///< data loss has a validity, a foreign row has none
   double eye_interval = 0.0;      ///< between rows of one eye, in the file's unit of time
   bool eyes_assumed = false;      ///< the values are numbers
+  /// Unused columns of few values: where one changes, another recording may begin
+  std::vector<std::size_t> watched{};
 
   bool isEmpty() const {
     return only.empty() && people.empty() && !eye && !device && !foreign_within &&
-           !foreign_if_blank;
+           !foreign_if_blank && watched.empty();
   }
 };
 
@@ -111,6 +116,7 @@ struct TableLayout {
       uncertainty_deg{};
   std::string pupil_unit{};  ///< of `pupil_own`
   ValidityCode validity_code = ValidityCode::below_two;
+  std::string validity_note{};  ///< why `validity_code` is not the format's; empty: it is
   std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, repeated on every row
   std::optional<std::size_t> resolution{};             ///< the same in one field, "1920 x 1080"
   SampleRows rows{};
@@ -178,6 +184,11 @@ RowGroups groupRows(Rows& rows, const ColumnNames& names, const TableLayout& lay
 /// @param layout  with the columns of time, point and eyes
 void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
                       const TablePreamble& before, TableLayout& layout);
+
+/// Sets the code of validity that the first rows show, where it is not the format's: eyes are valid
+/// where they have positions, and one position is a code for data loss.
+/// @param layout  with the vendor's code
+void judgeValidity(Rows& rows, TableLayout& layout);
 
 /// Whether the table is of Tobii Studio, which writes names without blanks. Pro Lab writes blanks.
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before);

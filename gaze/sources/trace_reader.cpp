@@ -122,12 +122,13 @@ std::vector<std::pair<std::string, std::string>> peopleOf(const std::filesystem:
   try {
     LineReader lines(file);
     TextRows rows(lines);
-    const auto found = peopleIn(rows, columns);
-    if (!found) return people;
-    for (const std::string& value : found->values)
-      people.emplace_back(rows.names()[found->at], value);
+    const RowGroups groups = recogniseTable(rows, columns).groups;
+    if (groups.people.empty() && groups.watched.empty()) return people;
+    readRows(rows, columns, {}, [](const GazeSample&) {});
+  } catch (const SeveralPeople& found) {
+    for (const std::string& value : found.values) people.emplace_back(found.column, value);
   } catch (const InputError&) {
-    return {};  // whoever reads the file says why
+    // Whoever reads the file says why.
   }
   return people;
 }

@@ -5,9 +5,11 @@
 #include <array>
 #include <iterator>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "gaze/sources/column_names.h"
+#include "gaze/sources/swift_number.h"
 #include "gaze/sources/table_layout.h"
 
 namespace foci {
@@ -176,6 +178,26 @@ const Vendor kVendors[] = {
      .code = ValidityCode::zero,
      .validity = "val"}};
 
+/// Rows by an eye's validity and by whether it has a position.
+struct ValidityCounts {
+  std::array<std::size_t, 2> good{}, lost{};  // of the values 0 and 1
+  std::size_t others = 0;                     // of another value
+
+  void add(const Rows& rows, const EyeColumns& eye) {
+    if (!eye.validity || !eye.x || !eye.y) return;
+    if (std::max({*eye.validity, *eye.x, *eye.y}) >= rows.size()) return;
+    const auto value = rows.number(*eye.validity);
+    if (!value) return;
+    const auto x = fieldNumber(rows.text(*eye.x)), y = fieldNumber(rows.text(*eye.y));
+    if (*value != 0.0 && *value != 1.0) {
+      ++others;
+    } else {
+      const bool is_lost = !x || !y || (*x == *y && *x <= 0.0);
+      ++(is_lost ? lost : good)[*value == 1.0];
+    }
+  }
+};
+
 bool isOf(const Vendor& vendor, Names names, const TablePreamble& before) {
   if (vendor.is) return vendor.is(names, before);
   return std::ranges::all_of(vendor.needs, [&](std::string_view keys) {
@@ -192,6 +214,36 @@ bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
   return before.tobii_studio || version3 ||
          (names.find("gazepointxleft") && names.find("gazepointyleft") &&
           names.find("camxleft distanceleft validityleft"));
+}
+
+void judgeValidity(Rows& rows, TableLayout& layout) {
+  constexpr std::size_t kSurveyed = 2048, kEnough = 20, kMostly = 9;
+  if (!layout.eyes[0].validity && !layout.eyes[1].validity) return;
+  ValidityCounts seen;
+  rows.survey(kSurveyed, [&] {
+    for (const EyeColumns& eye : layout.eyes) seen.add(rows, eye);
+  });
+  const ValidityCode stated = layout.validity_code;
+  if (seen.good[0] + seen.good[1] < kEnough) return;
+  if (stated == ValidityCode::below_two && seen.others == 0) {
+    if (seen.good[1] >= kMostly * seen.good[0]) {
+      layout.validity_code = ValidityCode::one;
+    } else if (seen.lost[1] > seen.good[1]) {
+      layout.validity_code = ValidityCode::zero;
+    }
+  } else if (stated == ValidityCode::one && seen.good[0] >= kMostly * seen.good[1]) {
+    layout.validity_code = seen.others > 0 ? ValidityCode::below_two : ValidityCode::zero;
+  }
+  if (layout.validity_code == stated) return;
+  layout.validity_note = std::string("validity of an eye: ") +
+                         (layout.validity_code == ValidityCode::one ? "1 is valid and 0 is lost"
+                                                                    : "0 is valid and 1 is lost") +
+                         ", as the positions show" +
+                         (layout.isPlain() ? "" : "; usual for " + layout.format + ": ") +
+                         (layout.isPlain()              ? ""
+                          : stated == ValidityCode::one ? "1 is valid"
+                                                        : "0 is valid, 4 is lost");
+  if (!layout.isPlain()) layout.lacks = "its usual code of validity";
 }
 
 void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -39,6 +40,12 @@ GazeTrace read(const std::string& text, const TraceColumns& columns = {}) {
   return readTrace(ScratchFile(text).path(), columns, {});
 }
 
+bool warns(const GazeTrace& trace, const char* of) {
+  return std::ranges::any_of(trace.warnings, [&](const std::string& warning) {
+    return warning.find(of) != std::string::npos;
+  });
+}
+
 std::string refusal(const std::string& text, const TraceColumns& columns = {}) {
   try {
     read(text, columns);
@@ -67,6 +74,39 @@ TEST(RowGroups, SeveralPeopleAreRefusedByNameAndEachCanBeRead) {
   }
   EXPECT_TRUE(
       peopleOf(ScratchFile("time_s,participant,x_px,y_px\n0,A,1,2\n1,A,1,2\n").path(), {}).empty());
+}
+
+TEST(RowGroups, AColumnOfAnyNameMayTellPeopleApart) {
+  for (const char* column : {"name", "session", "who", "Datei"}) {
+    std::string text = "time_s," + std::string(column) + ",x_px,y_px\n";
+    std::string anew = text;
+    for (int i = 0; i < 2 * kSamples; ++i) {
+      const std::string who = i < kSamples ? "anna" : "ben";
+      text += row(i / kRate_Hz, who, gazeX(i), 300.0 + i % 2);
+      anew += row(i % kSamples / kRate_Hz, who, gazeX(i), 300.0 + i % 2);
+    }
+    const GazeTrace trace = read(text);
+    EXPECT_TRUE(warns(trace, "\"anna\", \"ben\"")) << column;
+    const TraceColumns ben{.rows = {{column, "ben"}}};
+    EXPECT_FALSE(warns(read(text, ben), "anna"));
+    EXPECT_EQ(read(text, ben).samples.size(), kSamples);
+
+    const std::string said = refusal(anew);
+    EXPECT_NE(said.find(std::string("column \"") + column + "\": \"anna\", \"ben\""),
+              std::string::npos)
+        << said;
+    EXPECT_EQ(peopleOf(ScratchFile(anew).path(), {}).size(), 2u);
+  }
+}
+
+TEST(RowGroups, PartsOfAnExperimentAreNotPeople) {
+  for (const char* column : {"trial", "stimulus_name", "battery", "eye_state"}) {
+    std::string text = "time_s," + std::string(column) + ",x_px,y_px\n";
+    for (int i = 0; i < 3 * kSamples; ++i) {
+      text += row(i / kRate_Hz, std::to_string(9 - i / kSamples), gazeX(i), 300.0 + i % 2);
+    }
+    EXPECT_FALSE(warns(read(text), "one after another")) << column;
+  }
 }
 
 TEST(RowGroups, OneRowForEachEyeIsOneSampleOfBoth) {
@@ -242,6 +282,41 @@ TEST(UnitOfTime, IsToldByRateSizeAndFixationsOrAskedFor) {
   }
   // Numbers of frames: 1000 Hz would make fixations far too short.
   EXPECT_NE(refusal(unlabelled(30, 1.0 / 30, 0, true)).find("frames"), std::string::npos);
+}
+
+/// Two eyes in columns of these names, of which `lost` is the position and the validity in data
+/// loss of 100 ms.
+GazeTrace withValidity(const std::string& header, int valid, int invalid, const char* lost) {
+  std::string text = header + "\n";
+  for (int i = 0; i < kSamples; ++i) {
+    const bool is_lost = i % 60 < 6;
+    const std::string at = is_lost
+                               ? std::string(lost) + "\t" + lost
+                               : std::to_string(gazeX(i)) + "\t" + std::to_string(300.5 + i % 2);
+    const std::string eye = at + "\t" + std::to_string(is_lost ? invalid : valid);
+    text += std::to_string(i * 1000 / 60) + "\t" + eye + "\t" + eye + "\n";
+  }
+  return read(text);
+}
+
+TEST(Validity, FollowsThePositionsWhereTheFormatsCodeIsReversed) {
+  const std::string studio =
+      "RecordingTimestamp\tGazePointLeftX (ADCSpx)\tGazePointLeftY (ADCSpx)\tValidityLeft\t"
+      "GazePointRightX (ADCSpx)\tGazePointRightY (ADCSpx)\tValidityRight";
+  const std::string plain = "time_ms\tlx\tly\tvalidity_left\trx\try\tvalidity_right";
+  for (const std::string& header : {studio, plain}) {
+    for (const char* lost : {"-1", "0", ""}) {
+      for (const auto& [valid, invalid] : {std::pair(1, 0), {0, 1}, {0, 4}}) {
+        const GazeTrace trace = withValidity(header, valid, invalid, lost);
+        ASSERT_EQ(trace.samples.size(), kSamples);
+        for (int i = 0; i < kSamples; ++i) {
+          ASSERT_EQ(trace.samples[i].point_px.has_value(), i % 60 >= 6) << header << valid << i;
+        }
+        if (header == plain) continue;
+        EXPECT_EQ(warns(trace, "validity of an eye"), invalid != 4);
+      }
+    }
+  }
 }
 
 }  // namespace
