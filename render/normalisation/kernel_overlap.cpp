@@ -7,7 +7,6 @@
 namespace foci {
 namespace {
 
-constexpr double kMinRatio = 0.4;  // sizes of neighbours seldom differ more
 constexpr int kRings = 64, kAngles = 64;
 
 /// The overlap of kernels of radii `radius` and 1, by the midpoint rule over the smaller disc, in
@@ -40,10 +39,10 @@ const KernelOverlap& KernelOverlap::table() {
 }
 
 KernelOverlap::KernelOverlap() {
-  for (std::size_t r = 0; r <= kRatios; ++r) {
-    const double radius = kMinRatio + (1.0 - kMinRatio) * static_cast<double>(r) / kRatios;
+  for (std::size_t r = 0; r < overlap_.size(); ++r) {
+    const double radius = std::min(kMinRatio + static_cast<double>(r) / kRatiosPerUnit, 1.0);
     const double variance = (radius * radius + 1.0) / 8.0;
-    for (std::size_t k = 0; k < kSteps + 2; ++k) {
+    for (std::size_t k = 0; k < kColumns; ++k) {
       const double distance2 = 16.0 * variance * static_cast<double>(k) / kSteps;
       overlap_[r][k] = static_cast<float>(variance * overlap(radius, std::sqrt(distance2)));
     }
@@ -54,20 +53,6 @@ KernelOverlap::KernelOverlap() {
     sum += 0.5 * (overlap_[kRatios][k] + overlap_[kRatios][k + 1]);
     beyond_[k] = static_cast<float>(16.0 * std::numbers::pi / kSteps * sum);
   }
-}
-
-float KernelOverlap::of(float q, float ratio) const {
-  if (!(q < 1.0f)) return 0.0f;
-  const float at = q * static_cast<float>(kSteps);
-  const auto k = static_cast<std::size_t>(at);
-  const float t = at - static_cast<float>(k);
-  const float row = std::max(ratio - static_cast<float>(kMinRatio), 0.0f) *
-                    static_cast<float>(kRatios / (1.0 - kMinRatio));
-  const std::size_t r = std::min(static_cast<std::size_t>(row), kRatios - 1);
-  const float s = row - static_cast<float>(r);
-  const float low = overlap_[r][k] + s * (overlap_[r + 1][k] - overlap_[r][k]);
-  const float high = overlap_[r][k + 1] + s * (overlap_[r + 1][k + 1] - overlap_[r][k + 1]);
-  return low + t * (high - low);
 }
 
 float KernelOverlap::beyond(float q) const {

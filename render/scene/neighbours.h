@@ -10,8 +10,8 @@ namespace foci {
 
 inline constexpr std::size_t kMaxNeighbours = 64;
 
-/// The neighbours of point i are the entries i * k to i * k + k - 1, not sorted. The point itself
-/// is not among them.
+/// The neighbours of point i are the entries i * k to i * k + k - 1, the nearest first. The point
+/// itself is not among them.
 struct Neighbours {
   std::size_t k = 0;  ///< min(wanted, points - 1)
   std::vector<std::uint32_t> index;

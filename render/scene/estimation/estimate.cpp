@@ -30,7 +30,9 @@ constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, over the
 constexpr float kMaxLocalSpacings = 2.0f;     // neighbours' medians: strays beside a surface
 constexpr float kMaxSpacings = 5.0f;          // medians of the cloud: strays far from everything
 constexpr float kMinSigma_m = 1e-9f;          // its fourth power is still a normal float
-constexpr int kQuickIterations = 8, kThoroughIterations = 40, kThoroughRounds = 30;
+constexpr int kQuickIterations = 8, kMeshIterations = 40;
+// More rounds make the sums no more even, of scans of a cube, a room and a rippled terrain.
+constexpr int kPointRounds = 10, kPointIterations = 20;
 constexpr double kMaxOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the smallest eigenvalue, by cyclic Jacobi rotations (Golub and Van
@@ -238,7 +240,7 @@ SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
   return cloud;
 }
 
-KernelEffort effortOf(const EstimateSettings& settings) {
+KernelEffort effortOf(const EstimateSettings& settings, bool areas_known) {
   switch (settings.solve) {
     case KernelSolve::none:
       return {};
@@ -247,8 +249,8 @@ KernelEffort effortOf(const EstimateSettings& settings) {
     case KernelSolve::thorough:
       break;
   }
-  return {.sigma_rounds = kThoroughRounds,
-          .rendered_iterations = kThoroughIterations,
+  return {.sigma_rounds = kPointRounds,
+          .rendered_iterations = areas_known ? kMeshIterations : kPointIterations,
           .progress = settings.progress};
 }
 
@@ -348,7 +350,7 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   std::vector<float> weight =
       solveKernels({points.position_m, points.normal, along.empty() ? points.normal : along, near,
                     sheet, spacing, areas_known},
-                   effortOf(settings), sigma);
+                   effortOf(settings, areas_known), sigma);
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
   cloud.oriented = oriented;
