@@ -78,21 +78,22 @@ glm::dvec3 reachOf(std::span<const glm::vec3> reach, std::size_t i) {
 /// @param tangent  of the half angles that the points fill
 double distanceOf(const SceneFacts& facts, const SceneBox& box, const glm::dmat3& eye_from_scene,
                   const glm::dvec2& tangent) {
+  std::array<glm::dvec3, 4> planes;  // those through the borders of the view, in the file's axes
+  for (int k = 0; k < 4; ++k) {
+    glm::dvec3 along(0.0, 0.0, 1.0);
+    along[k / 2] = (k % 2 == 0 ? -1.0 : 1.0) / tangent[k / 2];
+    planes[static_cast<std::size_t>(k)] = glm::transpose(eye_from_scene) * along;
+  }
   double distance = 0.0;
-  const glm::dmat3 scene_from_eye = glm::transpose(eye_from_scene);
   for (std::size_t i = 0; i < facts.position.size(); ++i) {
-    const glm::dvec3 p_scene = glm::dvec3(facts.position[i]);
-    if (!isIn(box, p_scene)) continue;
-    const glm::dvec3 p = eye_from_scene * (p_scene - box.middle());
+    const glm::dvec3 p = glm::dvec3(facts.position[i]);
+    if (!isIn(box, p)) continue;
     glm::dvec3 reach = reachOf(facts.reach, i);
-    if (!isIn(box, p_scene - reach) || !isIn(box, p_scene + reach)) reach = glm::dvec3(0.0);
-    for (const auto& [axis, t] : {std::pair(0, tangent.x), std::pair(1, tangent.y)}) {
-      for (const double side : {-1.0, 1.0}) {
-        glm::dvec3 along(0.0, 0.0, 1.0);
-        along[axis] = side / t;
-        distance =
-            std::max(distance, glm::dot(along, p) + glm::length(reach * (scene_from_eye * along)));
-      }
+    if (!isIn(box, p - reach) || !isIn(box, p + reach)) reach = glm::dvec3(0.0);
+    for (const glm::dvec3& along : planes) {
+      double needed = glm::dot(along, p - box.middle());
+      if (!facts.reach.empty()) needed += glm::length(reach * along);
+      distance = std::max(distance, needed);
     }
   }
   const double one_point = 1.0;  // a scene of a single point has no size

@@ -1,6 +1,7 @@
 #include "render/scene/sampling/poisson_disk.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cassert>
@@ -87,6 +88,14 @@ class Grid {
     head = static_cast<std::uint32_t>(entries_.size() - 1);
   }
 
+  /// Whether the dart with this number is too near to `dart`.
+  bool isNear(const Dart& dart, std::uint32_t number) const {
+    const Entry& entry = entries_[number];
+    const glm::dvec3 d = entry.p_m - dart.p_m;
+    return glm::dot(d, d) < distance_m_ * distance_m_ &&
+           glm::dot(entry.normal, dart.normal) > kFacingAway;
+  }
+
   /// Calls `body(number)` for the darts that are too near to `dart`, until it returns true.
   /// @return whether it did
   template <typename Body>
@@ -100,11 +109,7 @@ class Grid {
           rowOf((k & 1) != 0 ? other.y : cell.y, (k & 2) != 0 ? other.z : cell.z);
       for (const std::int64_t x : {cell.x, other.x}) {
         for (std::uint32_t i = heads_[slotOf(x, row)]; i != kNone; i = entries_[i].next) {
-          const glm::dvec3 d = entries_[i].p_m - dart.p_m;
-          if (glm::dot(d, d) < distance_m_ * distance_m_ &&
-              glm::dot(entries_[i].normal, dart.normal) > kFacingAway && body(i)) {
-            return true;
-          }
+          if (isNear(dart, i) && body(i)) return true;
         }
       }
     }
@@ -136,7 +141,7 @@ class Grid {
   std::vector<Entry> entries_;
 };
 
-/// Throws darts at the triangles: one at a random place of each equal share of the area.
+/// Throws darts at the triangles: one a round at a random place of each equal share of the area.
 class Thrower {
  public:
   explicit Thrower(const std::vector<glm::vec3>& corners_m)
@@ -145,7 +150,10 @@ class Thrower {
   double area_m2() const { return sums_m2_.empty() ? 0.0 : sums_m2_.back(); }
 
   /// The darts of a round that meet no accepted one, in order of the triangles.
-  std::vector<Dart> freeDarts(const Grid& accepted, std::size_t round, std::size_t count) const {
+  /// @param accepted  those of the rounds before, and more
+  /// @param count     shares, the same in each round
+  std::vector<Dart> freeDarts(const Grid& accepted, std::size_t round, std::size_t count) {
+    met_.resize(count, {kNone, kNone});
     std::vector<std::vector<Dart>> blocks((count + kBlock - 1) / kBlock);
     parallelFor(blocks.size(), [&](std::size_t b) {
       const std::size_t end = std::min(count, (b + 1) * kBlock);
@@ -159,7 +167,7 @@ class Thrower {
         while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
         if (triangle == sums_m2_.end()) break;  // by rounding
         Dart dart = dartAt(static_cast<std::size_t>(triangle - sums_m2_.begin()), at_m2);
-        if (accepted.anyNear(dart, [](std::uint32_t) { return true; })) continue;
+        if (meets(dart, accepted, met_[k])) continue;
         dart.priority = randomBits(number + 1);
         blocks[b].push_back(dart);
       }
@@ -173,6 +181,20 @@ class Thrower {
   }
 
  private:
+  /// The accepted darts that a share's last ones met. A share is small, so its next dart mostly
+  /// meets one of them, too.
+  using Met = std::array<std::uint32_t, 2>;
+
+  static bool meets(const Dart& dart, const Grid& accepted, Met& met) {
+    for (const std::uint32_t i : met) {
+      if (i != kNone && accepted.isNear(dart, i)) return true;
+    }
+    return accepted.anyNear(dart, [&](std::uint32_t i) {
+      met = {i, met[0]};
+      return true;
+    });
+  }
+
   Dart dartAt(std::size_t triangle, double at_m2) const {
     const double before_m2 = triangle == 0 ? 0.0 : sums_m2_[triangle - 1];
     const glm::dvec2 weights = weightsAt((at_m2 - before_m2) / (sums_m2_[triangle] - before_m2));
@@ -187,6 +209,7 @@ class Thrower {
 
   const std::vector<glm::vec3>& corners_m_;
   std::vector<double> sums_m2_;
+  std::vector<Met> met_;  ///< by share
 };
 
 /// The darts that dart throwing accepts if it takes them by their priority: a dart is accepted if
@@ -231,7 +254,7 @@ double areaOf_m2(const std::vector<glm::vec3>& corners_m) {
 
 std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, double spacing_m) {
   assert(spacing_m > 0.0);
-  const Thrower thrower(corners_m);
+  Thrower thrower(corners_m);
   if (!(thrower.area_m2() > 0.0)) return {};
   const double wanted = std::ceil(thrower.area_m2() / (spacing_m * spacing_m));
   assert(wanted <= 1e8);
