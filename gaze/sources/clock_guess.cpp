@@ -36,7 +36,7 @@ bool countsByOne(const std::vector<GazeSample>& samples) {
                                       [](const GazeSample& before, const GazeSample& after) {
                                         return after.time_s - before.time_s != 1.0;
                                       });
-  return gap == samples.end() && samples.size() > 1 && samples.front().time_s <= 1.0;
+  return gap == samples.end() && samples.size() > 1;
 }
 
 /// The unit of a time that counts from a known day: with it, the day lies in this century.
@@ -100,6 +100,27 @@ bool isFixation(double samples, double interval_s) {
   return samples * interval_s >= kMinFixation_s && samples * interval_s <= kMaxFixation_s;
 }
 
+/// The only unit that gives the rate of a tracker. A counter's ticks of any other length give an
+/// odd rate, or fixations of an odd duration.
+ClockGuess onlyUnit(double scale_s, double interval, const std::optional<double>& dwell,
+                    const std::vector<GazeSample>& samples) {
+  constexpr double kShortest_s = 0.05, kLongest_s = 3.0;  // beyond doubt no fixations
+  ClockGuess guess{.scale_s = scale_s};
+  const double mean =
+      (samples.back().time_s - samples.front().time_s) / static_cast<double>(samples.size() - 1);
+  const double fixation_s = dwell ? *dwell * interval * scale_s : 0.0;
+  const std::string unit = exactText(scale_s) + " s a unit of time";
+  if (interval * scale_s * kMaxUsual_Hz < 1.0 - kRateSlack) return guess;  // doubted for all units
+  if (!isUsualRate(1.0 / (scale_s * interval)) && !isUsualRate(1.0 / (scale_s * mean))) {
+    guess.doubt = "with " + unit + ", the rate is " + significant(1.0 / (scale_s * interval)) +
+                  " Hz, which is no tracker's usual one: if that is wrong, give gaze.time_scale_s";
+  } else if (dwell && (fixation_s < kShortest_s || fixation_s > kLongest_s)) {
+    guess.doubt = "with " + unit + ", fixations last " + significant(fixation_s, 2) +
+                  " s, which is not usual: if that is wrong, give gaze.time_scale_s";
+  }
+  return guess;
+}
+
 ClockGuess guessOfInterval(double interval, bool whole, const std::vector<GazeSample>& samples) {
   const auto rateOf = [&](double scale_s) { return 1.0 / (interval * scale_s); };
   const auto unitName = [](double scale_s) { return exactText(scale_s) + " s"; };
@@ -117,12 +138,13 @@ ClockGuess guessOfInterval(double interval, bool whole, const std::vector<GazeSa
   if (units.empty()) {
     for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-9}) {
       const double rate_Hz = rateOf(scale_s);
-      if (rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz) return {.scale_s = scale_s};
+      if (rate_Hz < kMinRate_Hz || rate_Hz > kMaxRate_Hz) continue;
+      return onlyUnit(scale_s, interval, std::nullopt, samples);
     }
     return {};
   }
-  if (units.size() == 1) return {.scale_s = units[0]};
   const auto dwell = samplesOfFixation(samples);
+  if (units.size() == 1) return onlyUnit(units[0], interval, dwell, samples);
   if (dwell) {
     std::vector<double> likely;
     for (const double unit : units) {
@@ -165,11 +187,11 @@ ClockGuess guessClock(const std::vector<GazeSample>& samples) {
                   significant(*dwell, 2) +
                   " ms; give gaze.rate_Hz, or gaze.time_scale_s, the seconds between two rows"};
     }
-    return {.scale_s = 1e-3,
-            .doubt = rows +
-                     ": foci takes them for milliseconds, but they may be row numbers; give "
-                     "gaze.time_scale_s or gaze.rate_Hz",
-            .is_open = !dwell};
+    const char* const doubt =
+        ": foci takes them for milliseconds, but they may be row numbers; give "
+        "gaze.time_scale_s or gaze.rate_Hz";
+    const bool from_first = samples.front().time_s <= 1.0;
+    return {.scale_s = 1e-3, .doubt = from_first ? rows + doubt : "", .is_open = !dwell};
   }
   return guessOfInterval(interval, isWhole(samples), samples);
 }

@@ -28,6 +28,10 @@ constexpr std::string_view kPeople =
     "participant subject sub subj person user respondent observer player patient recording pid "
     "ppid ppt vp";
 constexpr std::string_view kOfPeople = "name id no nr num number code label n";  // behind them
+// Numbers tell the eye only in a column of such a name: "eye_open" has them, too.
+constexpr std::string_view kEyeNames =
+    "eye eyes eyeid eyeindex eyeidx eyenr eyeno eyenumber eyenum whicheye eyetracked recordedeye "
+    "viewindex side";
 constexpr std::string_view kDevices =
     "sensor sensortype device devicename source eventsource stream streamname modality datatype "
     "rowtype sampletype";
@@ -220,7 +224,7 @@ class Grouper {
       if (values.size() != 2) continue;
       const auto first = sideNamed(values[0]), second = sideNamed(values[1]);
       const std::string& key = names_.key(survey_.candidates()[i]);
-      const bool of_eye = key.find("eye") != key.npos || key == "viewindex" || key == "side";
+      const bool of_eye = isWordOf(kEyeNames, key);
       const auto a = parseNumber(values[0]), b = parseNumber(values[1]);
       if (first && second && *first != *second) {
         groups_.eyes[*first] = values[0];

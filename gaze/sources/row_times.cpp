@@ -1,6 +1,7 @@
 #include "gaze/sources/row_times.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string>
 
@@ -139,7 +140,8 @@ void RowTimes::order(GazeSample& sample) {
   ++ordered_;
   if (settled_) return emit(sample);
   held_.push_back(sample);
-  if (held_.size() >= kEnough) settle(false);
+  // Each guess looks at all samples that wait.
+  if (held_.size() >= kEnough && std::has_single_bit(held_.size())) settle(false);
 }
 
 /// Chooses the unit of time, and how repeated times are told apart.

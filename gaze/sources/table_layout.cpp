@@ -368,7 +368,9 @@ class Recogniser {
       const auto has = [&](const char* part) {
         return names_.key(i).find(part) != std::string::npos;
       };
-      if (!unused || !(has("valid") || has("confidence"))) continue;
+      const auto hints = {"valid",   "confidence", "quality", "tracking", "tracked", "status",
+                          "eyeopen", "openness",   "lost",    "missing",  "detected"};
+      if (!unused || !std::ranges::any_of(hints, has)) continue;
       layout_.unused_validity = names_.text(i);
       return;
     }

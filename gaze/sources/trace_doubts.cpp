@@ -21,7 +21,9 @@ constexpr std::size_t kMinPositions = 100;  // fewer show neither range nor shar
 constexpr double kManyLost = 0.5, kManyOff = 0.1;  // shares of samples
 // Of the same position, where no screen is or at its corner. Trackers lose a few per cent.
 constexpr double kCode = 0.01;
-constexpr double kStill = 0.005;  // of the screen: smaller than the fixation of one letter
+constexpr double kManyZeros = 0.05;
+constexpr double kOtherScale = 20.0;  // times the range of the other eye
+constexpr double kStill = 0.005;      // of the screen: smaller than the fixation of one letter
 constexpr double kStill_deg = 0.2;
 constexpr double kApart = 0.2;  // of the screen: eyes that look at one point are less apart
 constexpr double kLookedAround_s = 5.0;  // in this time gaze leaves a fixation, and a quarter
@@ -154,6 +156,19 @@ std::optional<std::string> codeOfLoss(const Positions& at, const std::string& wh
   return "the position (" + x + ", " + y + ")" + whose + " is in " + percent(share) +
          " of the samples with gaze: if it means data loss, give gaze.missing" +
          (x == y ? " = " + x : "");
+}
+
+/// A coordinate of exactly 0 that comes often while the other one moves.
+std::optional<std::string> zeroOfOneAxis(const Positions& at) {
+  if (at.degrees) return std::nullopt;
+  const auto zeros = [](const std::vector<double>& values) {
+    return static_cast<double>(std::ranges::count(values, 0.0)) /
+           static_cast<double>(values.size());
+  };
+  const double x = zeros(at.x), y = zeros(at.y);
+  if (std::max(x, y) < kManyZeros || std::min(x, y) > 0.5 * std::max(x, y)) return std::nullopt;
+  return std::string(x > y ? "x" : "y") + " is 0 in " + percent(std::max(x, y)) +
+         " of the samples with gaze: if it means data loss, give gaze.missing = 0";
 }
 
 std::vector<std::string> screenDoubts(const TraceHeader& header) {
@@ -307,7 +322,9 @@ std::vector<std::string> TraceDoubts::rateDoubts() const {
 std::vector<std::string> TraceDoubts::lossDoubts(const TraceHeader& header) const {
   std::vector<glm::dvec2> points_px;
   for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
-  if (auto doubt = codeOfLoss(positionsOf(points_px, header))) return {std::move(*doubt)};
+  const Positions all = positionsOf(points_px, header);
+  if (auto doubt = codeOfLoss(all)) return {std::move(*doubt)};
+  if (auto doubt = zeroOfOneAxis(all)) return {std::move(*doubt)};
   std::vector<std::string> doubts;
   for (std::size_t side : {0, 1}) {
     points_px.clear();
@@ -335,6 +352,22 @@ std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const
     doubts.push_back(
         "the eyes look at points far apart: are the columns of the left and the right "
         "eye right, and of one unit (gaze.left_x, left_y, right_x, right_y)?");
+  }
+  std::array<std::vector<double>, 2> xs;
+  for (const Kept& kept : kept_.kept()) {
+    for (std::size_t side : {0, 1}) {
+      if (kept.eyes_px[0] && kept.eyes_px[1]) xs[side].push_back(kept.eyes_px[side]->x);
+    }
+  }
+  if (xs[0].size() >= kMinPositions) {
+    const double left = widthOf(rangeOf(xs[0])), right = widthOf(rangeOf(xs[1]));
+    if (std::max(left, right) > kOtherScale * std::min(left, right)) {
+      doubts.push_back(std::string("the ") + (left > right ? "left" : "right") +
+                       " eye moves over " +
+                       significant(std::max(left, right) / std::min(left, right), 2) +
+                       " times the range of the other: are their columns of one unit "
+                       "(gaze.left_x, left_y, right_x, right_y)?");
+    }
   }
   // A still eye, or whole pixels, give longer runs of equal positions.
   const double run = static_cast<double>(present_) / static_cast<double>(changes_);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -317,6 +318,52 @@ TEST(Validity, FollowsThePositionsWhereTheFormatsCodeIsReversed) {
       }
     }
   }
+}
+
+TEST(RowGroups, AnEyeThatIsOpenOrShutIsNoOtherEye) {
+  std::string text = "time_s,eye_open,x_px,y_px\n";
+  for (int i = 0; i < kSamples; ++i) {
+    text += row(i / kRate_Hz, i % 40 < 6 ? "0" : "1", gazeX(i), 300.0 + i % 2);
+  }
+  const GazeTrace trace = read(text);
+  EXPECT_EQ(trace.format, "CSV");
+  EXPECT_TRUE(warns(trace, "\"eye_open\" is unused"));
+}
+
+/// Gaze at a rate, with times in ticks of a counter's frequency.
+GazeTrace inTicks(double rate_Hz, double ticks_Hz) {
+  std::string text = "timestamp,x_px,y_px\n";
+  for (int i = 0; i < 3 * kSamples; ++i) {
+    const int fixation = static_cast<int>(i / rate_Hz / 0.3);
+    text += std::to_string(8'123'456 + std::llround(i * ticks_Hz / rate_Hz)) + "," +
+            std::to_string(400.0 + 300.0 * (fixation % 4) + i % 3) + "," +
+            std::to_string(300.5 + i % 2) + "\n";
+  }
+  return read(text);
+}
+
+TEST(UnitOfTime, AnUnusualRateOrDurationOfFixationsIsDoubted) {
+  for (const auto& [rate_Hz, ticks_Hz] :
+       {std::pair(120.0, 3'579'545.0), {60.0, 1e5}, {250.0, 44'100.0}, {60.0, 90e3}}) {
+    EXPECT_TRUE(warns(inTicks(rate_Hz, ticks_Hz), "gaze.time_scale_s")) << ticks_Hz;
+  }
+  for (const double rate_Hz : {60.0, 120.0, 250.0}) {
+    EXPECT_FALSE(warns(inTicks(rate_Hz, 1e3), "gaze.time_scale_s")) << rate_Hz;
+    EXPECT_FALSE(warns(inTicks(rate_Hz, 1e6), "gaze.time_scale_s")) << rate_Hz;
+  }
+}
+
+TEST(PositionDoubts, AZeroOfOneAxisAndEyesOfTwoScalesAreDoubted) {
+  std::string zeros = "time_s,x_px,y_px\n", scales = "time_s,left_x,left_y,right_x,right_y\n";
+  for (int i = 0; i < kSamples; ++i) {
+    const std::string time = std::to_string(i / kRate_Hz) + ",";
+    const double x = gazeX(i), y = 300.5 + i % 2 + i / 30 % 5 * 50.0;
+    zeros += time + std::to_string(i % 40 < 6 ? 0.0 : x) + "," + std::to_string(y) + "\n";
+    scales += time + std::to_string(x / 1920) + "," + std::to_string(y / 1080) + "," +
+              std::to_string(x) + "," + std::to_string(y) + "\n";
+  }
+  EXPECT_TRUE(warns(read(zeros), "x is 0 in 15 %"));
+  EXPECT_TRUE(warns(read(scales), "of one unit"));
 }
 
 }  // namespace
