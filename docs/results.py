@@ -182,21 +182,24 @@ def chart(args):
     run(args.foci, "chart", "--out", folder, *args.quick, *args.chart_options)
     rows = rows_of(os.path.join(folder, "chart.csv"))
     threads = max(int(row["threads"]) for row in rows)
-    text = [f"`foci chart`, times at {threads} threads. The tables show the frontier (no method is both faster and closer) and "
+    text = [f"`foci chart`, times at {threads} threads. The table shows the frontier (no method is both faster and closer) and "
             "`auto`. `chart.csv` has all methods; [methods.md](methods.md#chart-time-against-accuracy) explains the columns."]
     cells = {}
     for row in rows:
         if int(row["threads"]) == threads:
             cells.setdefault((row["scene"], row["blur_px"]), []).append(row)
+    shown_rows = []
     for (scene, blur_px), found in cells.items():
         shown = [row for row in found if row["on_frontier"] == "yes" or row["method"] == "auto"]
         shown.sort(key=lambda row: float(row["ms_median"]))
-        text.append(f"**{scene}, blur up to {short(blur_px)} px** "
-                    f"(reference known to {short(found[0]['reference_psnr_dB'])} dB)")
-        text.append(table(["method", "ms per frame", "PSNR, dB", "silhouettes, dB", "visible error, JND", "predicted, JND"],
-                          [["`" + row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"]) + "`",
-                            short(row["ms_median"]), short(row["psnr_dB"]), short(row["silhouette_psnr_dB"]),
-                            short(row["visible_error"]), short(row["expected_error"])] for row in shown]))
+        place = [f"{scene}, {short(blur_px)} px, {short(found[0]['reference_psnr_dB'])} dB"]
+        for row in shown:
+            shown_rows.append(place + ["`" + row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"]) + "`",
+                                       short(row["ms_median"]), short(row["psnr_dB"]), short(row["silhouette_psnr_dB"]),
+                                       short(row["visible_error"]), short(row["expected_error"])])
+            place = [""]
+    text.append(table(["scene, largest blur, PSNR to which the reference is known", "method", "ms per frame", "PSNR, dB",
+                       "silhouettes, dB", "visible error, JND", "predicted, JND"], shown_rows))
     if not args.chart_options:
         shutil.copy(os.path.join(folder, "chart.png"), os.path.join(ROOT, "docs", "chart.png"))
     return "\n\n".join(text)
@@ -208,13 +211,13 @@ def stability(args):
     images = {"paper-lod": "", "sweep": "", "sweep-lod:7": "", "auto": "", "accumulate:64": "", "matthews": ""}
     scenes = {}
     for row in rows_of(os.path.join(folder, "stability.csv")):
-        scene = scenes.setdefault(row["scene"], {"dial": row["dial"], "of": row["of"], "values": [], "scores": {}})
+        scene = scenes.setdefault(row["scene"], {"values": [], "scores": {}})
         if row["value"] not in scene["values"]:
             scene["values"].append(row["value"])
-        mark = "" if row["good"] == "yes" else " (!)"
-        scene["scores"].setdefault(row["method"], {})[row["value"]] = short(row["score"]) + mark
-    text = ["`foci chart --stability`. Scores follow the dial's values from left to right; **(!)** marks a score that misses the "
-            "wanted one. [stability.md](stability.md) describes the scenes."]
+        bold = "" if row["good"] == "yes" else "**"
+        scene["scores"].setdefault(row["method"], {})[row["value"]] = bold + short(row["score"]) + bold
+    text = ["`foci chart --stability`. Scores follow the dial's values from left to right; a bold score misses the wanted one. "
+            "[stability.md](stability.md) describes scenes, dials and scores."]
     for observers, title in ((False, "Images"), (True, "Gaze")):
         chosen = {name: scene for name, scene in scenes.items() if name.startswith("gaze-") == observers}
         if not chosen:
@@ -223,11 +226,11 @@ def stability(args):
         for scene in chosen.values():
             methods += [name for name in scene["scores"] if name not in methods and (observers or name in images)]
         text.append(f"**{title}**")
-        text.append(table(["scene", "score", "dial"] + [f"`{name}`" if not observers else name for name in methods],
-                          [[f"`{name}`", scene["of"], scene["dial"] + ": " + ", ".join(map(short, scene["values"]))] +
+        text.append(table(["scene", "dial"] + [f"`{name}`" if not observers else name for name in methods],
+                          [[f"`{name}`", ", ".join(map(short, scene["values"]))] +
                            ["; ".join(scene["scores"].get(method, {}).get(value, "n/a") for value in scene["values"])
                             for method in methods] for name, scene in chosen.items()]))
-    return "\n\n".join(text).replace(" (!)", " **(!)**")
+    return "\n\n".join(text)
 
 
 def reproduce(args):
@@ -282,7 +285,9 @@ def eye(args):
         table(["pupil and defocus", "RMS, window, %", "RMS, lit pixels, %", "variance along x, %", "along y, %"], images),
         "**Against published measurements**, `foci validate`.",
         table(["figure", "condition", "published", "here", "unit"],
-              [[one["figure"], one["condition"], short(one["expected"]), short(one["value"]), one["unit"]] for one in figures])])
+              [["" if before and before["figure"] == one["figure"] else one["figure"], one["condition"],
+                short(one["expected"]), short(one["value"]), one["unit"]]
+               for before, one in zip([None] + figures, figures)])])
 
 
 # The eye's place and the point that it looks at, metres. The ground is about 1.6 m high in the middle.
