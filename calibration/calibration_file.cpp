@@ -24,7 +24,7 @@ CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path
     if (const auto number = numberOf(value)) {
       values_[key] = *number;
     } else if (value.is_string()) {
-      values_[key] = value.as_string().str;
+      values_[key] = toml::get<std::string>(value);
     } else if (value.is_array()) {
       std::vector<double> numbers;
       for (const toml::value& element : value.as_array()) {

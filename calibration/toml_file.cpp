@@ -142,6 +142,15 @@ std::string firstLine(const std::exception& error) {
   return text.empty() ? "not TOML" : text.substr(0, 200);
 }
 
+template <class SyntaxError>
+int lineOfError(const SyntaxError& error) {
+  if constexpr (requires { error.location(); }) {
+    return lineIn(error.location());
+  } else {
+    return lineIn(error.errors().at(0).locations().at(0).first);
+  }
+}
+
 }  // namespace
 
 TomlDocument parseToml(const std::string& text, const std::string& where) {
@@ -150,8 +159,8 @@ TomlDocument parseToml(const std::string& text, const std::string& where) {
   try {
     std::istringstream stream(std::move(safe).text());
     document.root = toml::parse(stream, where);
-  } catch (const toml::exception& error) {
-    const int line = document.lineOf(static_cast<int>(error.location().line()));
+  } catch (const toml::syntax_error& error) {
+    const int line = document.lineOf(lineOfError(error));
     throw InputError(where + ":" + std::to_string(line), firstLine(error));
   } catch (const std::exception& error) {
     throw InputError(where, firstLine(error));

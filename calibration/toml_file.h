@@ -9,6 +9,16 @@
 
 namespace foci {
 
+/// The line that toml11 3 or 4 states; the first is 1.
+template <class Location>
+int lineIn(const Location& location) {
+  if constexpr (requires { location.first_line_number(); }) {
+    return static_cast<int>(location.first_line_number());
+  } else {
+    return static_cast<int>(location.line());
+  }
+}
+
 /// A text as toml11 has parsed it. toml11 takes a time that grows with the square of a line's
 /// length, so long lists were broken into lines before: `lineOf` undoes that.
 struct TomlDocument {
@@ -16,9 +26,7 @@ struct TomlDocument {
   std::vector<int> lines = {};  ///< of the text, by line as parsed; empty: the same
 
   /// The line of the text where a value stands; the first is 1.
-  int lineOf(const toml::value& value) const {
-    return lineOf(static_cast<int>(value.location().line()));
-  }
+  int lineOf(const toml::value& value) const { return lineOf(lineIn(value.location())); }
   int lineOf(int parsed) const {
     return parsed >= 1 && parsed <= static_cast<int>(lines.size())
                ? lines[static_cast<std::size_t>(parsed) - 1]

@@ -30,12 +30,12 @@ class CameraWindow {
 
   std::optional<std::vector<BoardView>> run() {
     while (window_.begin(kBackground)) {
-      if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) return std::nullopt;
+      if (Window::isPressed(GLFW_KEY_ESCAPE, true)) return std::nullopt;
       if (running_) running_ = search();
       if (size_px_.x == 0) return views_;
       showImage();
       showText();
-      const bool enough = ImGui::IsKeyPressed(GLFW_KEY_SPACE, false);
+      const bool enough = Window::isPressed(GLFW_KEY_SPACE);
       window_.end();
       if (enough) return views_;
     }

@@ -62,7 +62,7 @@ class GazeWindow {
 
   std::optional<GazeWindowResult> run() {
     while (window_.begin(kBackground)) {
-      if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) return std::nullopt;
+      if (Window::isPressed(GLFW_KEY_ESCAPE, true)) return std::nullopt;
       readTracker();
       const bool go_on = step();
       window_.end();
@@ -160,7 +160,7 @@ void GazeWindow::add(const Look& look) {
 
 /// Returns false once all targets are done.
 bool GazeWindow::showTarget() {
-  if (ImGui::IsKeyPressed(GLFW_KEY_SPACE, false)) session_->confirm();
+  if (Window::isPressed(GLFW_KEY_SPACE)) session_->confirm();
   ImGui::SetMouseCursor(ImGuiMouseCursor_None);
   for (const Look& look : looks_) add(look);
   if (session_->done()) return false;
@@ -232,7 +232,7 @@ void GazeWindow::drawResult() {
 
 /// Returns false once the observer accepts the result.
 bool GazeWindow::step() {
-  const bool space = ImGui::IsKeyPressed(GLFW_KEY_SPACE, false);
+  const bool space = Window::isPressed(GLFW_KEY_SPACE);
   switch (stage_) {
     case Stage::welcome:
       centredText(window_, 0.40, kBlack, "Look at the centre of each dot until it moves on.");
@@ -257,12 +257,12 @@ bool GazeWindow::step() {
     case Stage::result:
       drawResult();
       centredText(window_, 0.93, kBlack, "Space: keep the result.   R: repeat.   Escape: leave.");
-      if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) stage_ = Stage::welcome;
+      if (Window::isPressed(GLFW_KEY_R)) stage_ = Stage::welcome;
       return !space;
     case Stage::failed:
       centredText(window_, 0.45, kRed, failure_);
       centredText(window_, 0.52, kBlack, "R: repeat.   Escape: leave.");
-      if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) stage_ = Stage::welcome;
+      if (Window::isPressed(GLFW_KEY_R)) stage_ = Stage::welcome;
       return true;
   }
   return true;

@@ -49,7 +49,7 @@ class ScreenWindow {
 
   std::optional<ScreenCalibration> run() {
     while (window_.begin(kBackground)) {
-      if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) return std::nullopt;
+      if (Window::isPressed(GLFW_KEY_ESCAPE, true)) return std::nullopt;
       line_ = 0.06 * window_.size_px().y;
       const bool go_on = step();
       window_.end();
@@ -73,12 +73,11 @@ class ScreenWindow {
         at(0.5 * (window_.size_px().x - static_cast<double>(size.x)), line_), colour, text.c_str());
     line_ += 34.0;
   }
-  static bool pressed(int key, bool repeat = false) { return ImGui::IsKeyPressed(key, repeat); }
   /// Steps of the arrow keys, ten at a time with shift.
   static double arrows() {
     const double by = ImGui::GetIO().KeyShift ? 10.0 : 1.0;
-    return by * ((pressed(GLFW_KEY_RIGHT, true) ? 1.0 : 0.0) -
-                 (pressed(GLFW_KEY_LEFT, true) ? 1.0 : 0.0));
+    return by * ((Window::isPressed(GLFW_KEY_RIGHT, true) ? 1.0 : 0.0) -
+                 (Window::isPressed(GLFW_KEY_LEFT, true) ? 1.0 : 0.0));
   }
   void enter(Stage stage) {
     stage_ = stage;
@@ -127,7 +126,7 @@ void ScreenWindow::fitCard() {
                   100.0 * edid_m_->x, 100.0 * edid_m_->y, 100.0 * off);
     say(text, off > kEdidTolerance ? kRed : kBlack);
   }
-  if (pressed(GLFW_KEY_SPACE)) {
+  if (Window::isPressed(GLFW_KEY_SPACE)) {
     found_.size_from = "bank card";
     enter(Stage::distance);
   }
@@ -138,12 +137,12 @@ void ScreenWindow::chooseDistance() {
   say("B: measure it by the blind spot of your left eye (a minute).");
   say("H: measure it with a tape and enter it.");
   if (!trouble_.empty()) say(trouble_, kRed);
-  if (pressed(GLFW_KEY_B)) {
+  if (Window::isPressed(GLFW_KEY_B)) {
     runs_.clear();
     run_start_s_.reset();
     enter(Stage::blind_spot);
   }
-  if (pressed(GLFW_KEY_H)) enter(Stage::by_hand);
+  if (Window::isPressed(GLFW_KEY_H)) enter(Stage::by_hand);
 }
 
 void ScreenWindow::runBlindSpot() {
@@ -168,7 +167,7 @@ void ScreenWindow::runBlindSpot() {
   if (run_start_s_ && (x < 0.0 || offset_m <= 0.0))
     run_start_s_.reset();  // the observer missed it: repeat the run
 
-  if (!pressed(GLFW_KEY_SPACE)) return;
+  if (!Window::isPressed(GLFW_KEY_SPACE)) return;
   if (!run_start_s_) {
     run_start_s_ = window_.time_s();
     std::fprintf(stderr, "run %zu %s\n", runs_.size() + 1, outwards ? "outwards" : "inwards");
@@ -197,7 +196,7 @@ void ScreenWindow::enterDistance() {
   char text[60];
   std::snprintf(text, sizeof text, "%.1f cm", 100.0 * found_.screen.distance_m);
   say(text);
-  if (pressed(GLFW_KEY_SPACE)) {
+  if (Window::isPressed(GLFW_KEY_SPACE)) {
     found_.distance_from = "by hand";
     enter(Stage::gamma);
   }
@@ -220,10 +219,10 @@ void ScreenWindow::matchGamma() {
   char text[60];
   std::snprintf(text, sizeof text, "gamma %.2f", gamma);
   say(text);
-  const bool space = pressed(GLFW_KEY_SPACE);
+  const bool space = Window::isPressed(GLFW_KEY_SPACE);
   if (space && level_ != kHalfLight) found_.gamma = std::clamp(gamma, 1.0, 4.0);
-  if (pressed(GLFW_KEY_S)) found_.gamma.reset();
-  if (space || pressed(GLFW_KEY_S)) enter(Stage::result);
+  if (Window::isPressed(GLFW_KEY_S)) found_.gamma.reset();
+  if (space || Window::isPressed(GLFW_KEY_S)) enter(Stage::result);
 }
 
 /// Returns false once the observer accepts the result.
@@ -247,8 +246,8 @@ bool ScreenWindow::showResult() {
     say("sRGB as displayed");
   }
   say("Space: keep the result.   R: repeat.   Escape: leave.");
-  if (pressed(GLFW_KEY_R)) enter(Stage::card);
-  return !pressed(GLFW_KEY_SPACE);
+  if (Window::isPressed(GLFW_KEY_R)) enter(Stage::card);
+  return !Window::isPressed(GLFW_KEY_SPACE);
 }
 
 bool ScreenWindow::step() {

@@ -48,7 +48,7 @@ struct KeySource {
   const TomlDocument* document = nullptr;  ///< null: lines are those that toml11 has parsed
 
   std::string place(const toml::value& value) const {
-    const auto line = static_cast<int>(value.location().line());
+    const int line = lineIn(value.location());
     return file + ":" + std::to_string(document != nullptr ? document->lineOf(line) : line);
   }
 };

@@ -78,7 +78,7 @@ inline void read(const toml::value& from, const Allowed& allowed, std::string& t
   std::string what = allowed.words.empty() ? "a text" : "one of";
   for (const auto word : allowed.words) what += " \"" + std::string(word) + "\"";
   if (!from.is_string()) throw Expected{what};
-  const std::string& text = from.as_string().str;
+  const auto& text = toml::get<std::string>(from);
   const bool known =
       std::find(allowed.words.begin(), allowed.words.end(), text) != allowed.words.end();
   if (text.empty() || text.find('\0') != std::string::npos || !(allowed.words.empty() || known)) {
@@ -133,7 +133,7 @@ inline void read(const toml::value& from, const Allowed&,
   to.clear();
   for (const auto& [name, value] : from.as_table()) {
     if (value.is_string()) {
-      to.emplace_back(name, value.as_string().str);
+      to.emplace_back(name, toml::get<std::string>(value));
     } else if (value.is_integer()) {
       to.emplace_back(name, std::to_string(value.as_integer()));
     } else {
@@ -235,7 +235,7 @@ inline std::string shownValue(const toml::value& value) {
       text = value.as_boolean() ? "true" : "false";
       break;
     case toml::value_t::string:
-      text = quotedText(value.as_string().str);
+      text = quotedText(toml::get<std::string>(value));
       break;
     case toml::value_t::table:
       text = "{...}";

@@ -3,6 +3,8 @@
 #include <GL/gl.h>
 #include <GLFW/glfw3.h>
 
+#include "app/window/window.h"
+
 namespace foci {
 namespace {
 
@@ -31,7 +33,7 @@ std::vector<MonitorFacts> monitors() {
 
 DisplayFacts describeDisplay() {
   DisplayFacts facts;
-  if (!glfwInit()) {
+  if (!startGlfw()) {
     facts.problem = "no display: foci live and calibration windows need one";
     return facts;
   }

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -39,12 +40,31 @@ class HiddenContext final : public GpuContext {
   GLFWwindow* before_ = nullptr;
 };
 
+#if IMGUI_VERSION_NUM >= 18700
+ImGuiKey keyOf(int key) {
+  if (key == GLFW_KEY_ESCAPE) return ImGuiKey_Escape;
+  if (key == GLFW_KEY_SPACE) return ImGuiKey_Space;
+  if (key == GLFW_KEY_LEFT) return ImGuiKey_LeftArrow;
+  if (key == GLFW_KEY_RIGHT) return ImGuiKey_RightArrow;
+  return static_cast<ImGuiKey>(ImGuiKey_A + (key - GLFW_KEY_A));
+}
+#else
+int keyOf(int key) { return key; }
+#endif
+
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 }  // namespace
 
+bool startGlfw() {
+#ifdef GLFW_PLATFORM
+  if (std::getenv("DISPLAY") != nullptr) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
+  return glfwInit() == GLFW_TRUE;
+}
+
 Window::Window(const std::string& title, std::optional<glm::ivec2> size_px, int monitor) {
-  if (!glfwInit()) throw std::runtime_error("no display for a window");
+  if (!startGlfw()) throw std::runtime_error("no display for a window");
   int monitors = 0;
   GLFWmonitor** all = glfwGetMonitors(&monitors);
   if (monitor < 0 || monitor >= std::max(monitors, 1)) {
@@ -123,6 +143,7 @@ std::vector<int> Window::takeKeys() { return std::exchange(keys_, {}); }
 
 std::vector<unsigned> Window::takeTyped() { return std::exchange(typed_, {}); }
 
+bool Window::isPressed(int key, bool repeat) { return ImGui::IsKeyPressed(keyOf(key), repeat); }
 bool Window::leftButton() const {
   return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
 }

@@ -15,6 +15,10 @@ struct GLFWwindow;
 
 namespace foci {
 
+/// Starts GLFW; with X11 where there is one, since Wayland does not let windows be placed.
+/// @return false without a display
+bool startGlfw();
+
 class Window {
  public:
   /// @param size_px  of the window; absent: the whole monitor
@@ -44,6 +48,8 @@ class Window {
   /// Keys (numbers of GLFW) pressed or repeated since the last call, and characters typed.
   std::vector<int> takeKeys();
   std::vector<unsigned> takeTyped();
+  /// Whether a key (a letter, an arrow, escape or space; number of GLFW) was pressed in this frame.
+  static bool isPressed(int key, bool repeat = false);
   bool leftButton() const;   ///< true while the left mouse button is down
   bool rightButton() const;  ///< true while the right mouse button is down
 

@@ -1,9 +1,14 @@
 #include "calibration/camera/board.h"
 
 #include <algorithm>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
+#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
+#include <opencv2/objdetect/charuco_detector.hpp>
+#else
+#include <opencv2/aruco/charuco.hpp>
+#endif
 
 namespace foci {
 namespace {
@@ -32,23 +37,32 @@ std::optional<BoardView> findChessboard(const cv::Mat& grey, const Board& board)
 }
 
 std::optional<BoardView> findCharuco(const cv::Mat& grey, const Board& board) {
+  const cv::Size squares(board.corners.x + 1, board.corners.y + 1);
+  const auto square_m = static_cast<float>(board.square_m);
+  const auto marker_m = static_cast<float>(*board.marker_m);
   const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_250);
-  const auto charuco = cv::aruco::CharucoBoard::create(
-      board.corners.x + 1, board.corners.y + 1, static_cast<float>(board.square_m),
-      static_cast<float>(*board.marker_m), dictionary);
-  std::vector<std::vector<cv::Point2f>> markers;
+  cv::Mat corners, corner_ids;
+#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
+  const cv::aruco::CharucoBoard charuco(squares, square_m, marker_m, dictionary);
+  cv::aruco::CharucoDetector(charuco).detectBoard(grey, corners, corner_ids);
+  const std::vector<cv::Point3f> board_m = charuco.getChessboardCorners();
+#else
+  const auto charuco = cv::aruco::CharucoBoard::create(squares.width, squares.height, square_m,
+                                                       marker_m, dictionary);
+  std::vector<std::vector<cv::Point2f> > markers;
   std::vector<int> ids;
   cv::aruco::detectMarkers(grey, dictionary, markers, ids);
   if (ids.empty()) return std::nullopt;
-  cv::Mat corners, corner_ids;
   cv::aruco::interpolateCornersCharuco(markers, ids, grey, charuco, corners, corner_ids);
+  const std::vector<cv::Point3f>& board_m = charuco->chessboardCorners;
+#endif
   if (corners.total() < kMinCorners) return std::nullopt;
   BoardView view;
   for (int i = 0; i < static_cast<int>(corners.total()); ++i) {
-    const auto& at = charuco->chessboardCorners[static_cast<std::size_t>(corner_ids.at<int>(i))];
+    const auto& at = board_m[static_cast<std::size_t>(corner_ids.at<int>(i))];
     const auto& px = corners.at<cv::Point2f>(i);
     view.board_m.emplace_back(at.x, at.y);
-    view.image_px.emplace_back(px.x + kCentre, px.y + kCentre);
+    view.image_px.emplace_back(px.x, px.y);  // OpenCV has added the half pixel here
   }
   return view;
 }

@@ -30,11 +30,23 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<
     nanoflann::L2_Simple_Adaptor<float, Positions, float, std::uint32_t>, Positions, 3,
     std::uint32_t>;
 
+/// The points in the tree's order; nanoflann 1.5 renamed it.
+template <class AnyTree>
+const auto& orderOf(const AnyTree& tree) {
+  if constexpr (requires { tree.vAcc_; }) {
+    return tree.vAcc_;
+  } else {
+    return tree.vAcc;
+  }
+}
+
 /// A result set for nanoflann: the k nearest points besides the query itself. Unlike nanoflann's
 /// own it stops as soon as k points coincide with the query. A cloud in one spot would otherwise
 /// take quadratic time.
 class Nearest {
  public:
+  using DistanceType = float;
+  using IndexType = std::uint32_t;
   Nearest(std::size_t k, std::uint32_t self) : k_(k), self_(self) {}
 
   std::size_t size() const { return count_; }
@@ -55,6 +67,7 @@ class Nearest {
     furthest2_ = distance2_[count_ - 1];
     return true;
   }
+  void sort() {}  // they are
   void copyTo(std::uint32_t* index, float& reach_m) const {
     for (std::size_t i = 0; i < count_; ++i) index[i] = index_[i];
     reach_m = std::sqrt(furthest2_);
@@ -71,6 +84,8 @@ class Nearest {
 /// A result set for nanoflann: points within a radius, up to a maximum number.
 class Within {
  public:
+  using DistanceType = float;
+  using IndexType = std::uint32_t;
   Within(float radius_m, std::size_t max_points, std::vector<std::uint32_t>& found)
       : radius2_(radius_m * radius_m), max_points_(max_points), found_(found) {}
 
@@ -81,6 +96,7 @@ class Within {
     if (distance2 < radius2_ && found_.size() < max_points_) found_.push_back(index);
     return found_.size() < max_points_;
   }
+  void sort() {}  // in any order
 
  private:
   float radius2_;
@@ -103,9 +119,9 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wan
   found.reach_m.resize(position_m.size());
   // In the tree's order, consecutive queries read the same memory.
   parallelFor(position_m.size(), [&](std::size_t at) {
-    const std::uint32_t i = tree.vAcc[at];
+    const std::uint32_t i = orderOf(tree)[at];
     Nearest nearest(found.k, i);
-    tree.findNeighbors(nearest, &position_m[i].x, nanoflann::SearchParams());
+    tree.findNeighbors(nearest, &position_m[i].x, {});
     nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
   });
   return found;
@@ -159,7 +175,7 @@ std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> po
   const Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
   parallelFor(centers_m.size(), [&](std::size_t i) {
     Within within(radius_m[i], max_points, found[i]);
-    tree.findNeighbors(within, &centers_m[i].x, nanoflann::SearchParams());
+    tree.findNeighbors(within, &centers_m[i].x, {});
   });
   return found;
 }

@@ -34,7 +34,7 @@ std::optional<Hit> hitAt(const SeenSurfel& surfel, std::uint32_t index,
 
 /// A ray and the hits that it gathers, as Embree hands them back to the filter.
 struct Gathering {
-  RTCIntersectContext context;  // first: Embree knows this member only
+  EmbreeContext context;  // first: Embree knows this member only
   const std::vector<SeenSurfel>* surfels;
   glm::vec2 lens_px_per_D;
   glm::vec2 pixel;
@@ -87,7 +87,6 @@ void DiscScene::trace(const glm::vec2& pixel, const glm::vec2& lens, std::vector
   const glm::vec2 j = defocus_.astigmatism_D;
   line.pixel -= defocus_.radius_px_per_D *
                 glm::vec2(j.x * lens.x + j.y * lens.y, j.y * lens.x - j.x * lens.y);
-  rtcInitIntersectContext(&line.context);
   const glm::vec2 slope = line.lens_px_per_D / px_per_D_;
   const glm::vec2 from = line.pixel - line.lens_px_per_D * defocus_.focus_D + slope * nearest_;
   RTCRay ray{};
@@ -99,7 +98,7 @@ void DiscScene::trace(const glm::vec2& pixel, const glm::vec2& lens, std::vector
   ray.dir_z = 1.0f;
   ray.tfar = furthest_ - nearest_;
   ray.mask = ~0u;
-  rtcOccluded1(scene_.get(), &line.context, &ray);
+  scene_.occlude(line.context, ray);
   std::sort(hits.begin(), hits.end(),
             [](const Hit& a, const Hit& b) { return a.surfel < b.surfel; });
 }

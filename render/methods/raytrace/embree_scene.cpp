@@ -34,4 +34,32 @@ void EmbreeScene::build(RTCGeometry geometry) {
   }
 }
 
+#if RTC_VERSION_MAJOR >= 4
+void EmbreeScene::intersect(EmbreeContext& context, RTCRayHit& ray) const {
+  rtcInitRayQueryContext(&context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context;
+  rtcIntersect1(scene_, &ray, &arguments);
+}
+
+void EmbreeScene::occlude(EmbreeContext& context, RTCRay& ray) const {
+  rtcInitRayQueryContext(&context);
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.context = &context;
+  rtcOccluded1(scene_, &ray, &arguments);
+}
+#else
+void EmbreeScene::intersect(EmbreeContext& context, RTCRayHit& ray) const {
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene_, &context, &ray);
+}
+
+void EmbreeScene::occlude(EmbreeContext& context, RTCRay& ray) const {
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene_, &context, &ray);
+}
+#endif
+
 }  // namespace foci

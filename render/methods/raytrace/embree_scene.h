@@ -1,9 +1,21 @@
-// Embree's device and a scene of one geometry.
+// Embree's device and a scene of one geometry, with Embree 3 or 4.
 #pragma once
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 namespace foci {
+
+/// What a query hands to Embree, and Embree back to the functions of a geometry: a struct that
+/// begins with it can carry more.
+#if RTC_VERSION_MAJOR >= 4
+using EmbreeContext = RTCRayQueryContext;
+#else
+using EmbreeContext = RTCIntersectContext;
+#endif
 
 class EmbreeScene {
  public:
@@ -14,11 +26,14 @@ class EmbreeScene {
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
   RTCDevice device() const { return device_; }
-  RTCScene get() const { return scene_; }
 
   /// Builds the scene from the geometry, which then belongs to it.
   /// Throws std::runtime_error where Embree fails.
   void build(RTCGeometry geometry);
+
+  /// The nearest hit of a ray; whether there is any.
+  void intersect(EmbreeContext& context, RTCRayHit& ray) const;
+  void occlude(EmbreeContext& context, RTCRay& ray) const;
 
  private:
   RTCDevice device_ = nullptr;

@@ -45,8 +45,7 @@ RaySeen MeshRays::trace(const glm::vec3& eye_m, const glm::vec3& sight, float fo
   RaySeen seen;
   float transmittance = 1.0f, from_m = 0.0f;
   for (int surface = 0; surface < kMaxLayers; ++surface) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    EmbreeContext context;
     RTCRayHit ray{};
     ray.ray.org_x = eye_m.x;
     ray.ray.org_y = eye_m.y;
@@ -58,7 +57,7 @@ RaySeen MeshRays::trace(const glm::vec3& eye_m, const glm::vec3& sight, float fo
     ray.ray.tfar = std::numeric_limits<float>::infinity();
     ray.ray.mask = ~0u;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_->get(), &context, &ray);
+    scene_->intersect(context, ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
     const MeshPoint place{ray.hit.primID, glm::vec2(ray.hit.u, ray.hit.v)};
     const MeshColor color = colorAt(mesh_, place, footprint * ray.ray.tfar);

@@ -36,7 +36,7 @@ std::size_t clipped(const glm::vec3 (&corners)[3], float near_m, std::array<glm:
 
 /// A line of image space, and the nearest triangle that it meets, as Embree hands both back.
 struct TriangleScene::Line {
-  RTCIntersectContext context;  // first: Embree knows this member only
+  EmbreeContext context;  // first: Embree knows this member only
   const TriangleScene* scene;
   glm::dvec3 d0, d1;         ///< d(v) = d0 + d1 v
   double farther_than_D;     ///< accepts vergences below this
@@ -156,7 +156,6 @@ RayColor TriangleScene::trace(const glm::vec2& point_px, const glm::vec2& lens,
             .farther_than_D = std::numeric_limits<double>::infinity()};
   RayColor seen;
   for (int surface = 0; surface < kMaxSurfaces; ++surface) {
-    rtcInitIntersectContext(&line.context);
     RTCRayHit ray{};
     const glm::dvec2 from = at + b * double{nearest_D_};
     ray.ray.org_x = static_cast<float>(from.x);
@@ -169,7 +168,7 @@ RayColor TriangleScene::trace(const glm::vec2& point_px, const glm::vec2& lens,
     ray.ray.mask = ~0u;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     line.vergence_D = -1.0;
-    rtcIntersect1(scene_.get(), &line.context, &ray);
+    scene_.intersect(line.context, ray);
     if (line.vergence_D < 0.0) break;
     ++fragments;
     const MeshColor color = colorAt(mesh_, line.place, 0.0f);

@@ -100,7 +100,9 @@ void appendCell(SurfelCloud& cloud, const ParametricSurface& surface, const glm:
 
   // Principal axes of the cell's two edges a, b: rotate them until they are perpendicular.
   const glm::vec3 a = t.u * size.x, b = acrossRow(t, middle.p_world, eye_m) * size.y;
-  const float angle = 0.5f * std::atan2(2.0f * glm::dot(a, b), glm::dot(a, a) - glm::dot(b, b));
+  // In double: std::atan2 of floats differs between versions of the C library.
+  const auto angle = static_cast<float>(
+      0.5 * std::atan2(2.0 * double{glm::dot(a, b)}, double{glm::dot(a, a) - glm::dot(b, b)}));
   const glm::vec3 major = std::cos(angle) * a + std::sin(angle) * b;
   const glm::vec3 minor = std::cos(angle) * b - std::sin(angle) * a;
   const float area_m2 = glm::length(glm::cross(a, b));
