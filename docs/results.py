@@ -425,7 +425,7 @@ def main():
                 texts[name] = f"## {TITLES[name]}\n\n{stamped}\n\n{text}"
     with open(PAGE, "w", encoding="utf-8") as page:
         page.write("# Results\n\n`docs/results.py` measures foci and writes this page: do not edit it.\n"
-                   "[batch.md](batch.md) has figures of its own.\nEach section states machine, date and commit. Times vary between runs; compare ratios.\n")
+                   "The section on Gaussian scenes is measured by hand, and so are the figures of [batch.md](batch.md).\nEach section states machine, date and commit. Times vary between runs; compare ratios.\n")
         for name in SECTIONS:
             text = texts.get(name, f"## {TITLES[name]}\n\nNot measured yet: `python3 docs/results.py --only {name}`.")
             page.write(f"\n<!-- section {name} -->\n{text}\n")
