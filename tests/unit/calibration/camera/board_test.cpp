@@ -34,7 +34,7 @@ cv::Mat printedBoard() {
       }
       cv::Mat marker;
 #if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
-      cv::aruco::generateImageMarker(dictionary, id++, marker_px, marker);
+      dictionary.generateImageMarker(id++, marker_px, marker);
 #else
       cv::aruco::drawMarker(dictionary, id++, marker_px, marker);
 #endif
