@@ -9,10 +9,10 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "calibration/webcam/webcam_recalibration.h"
-#include "gaze/sources/lsl_source.h"
+#include "gaze/live/lsl_source.h"
 #include "gaze/webcam/webcam_source.h"
 #ifdef FOCI_PUPIL
-#include "gaze/sources/pupil_source.h"
+#include "gaze/live/pupil_source.h"
 #endif
 
 namespace foci {

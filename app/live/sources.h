@@ -8,8 +8,8 @@
 
 #include "app/platform/warnings.h"
 #include "app/study/study.h"
-#include "gaze/sources/live_source.h"
-#include "gaze/sources/pushed_source.h"
+#include "gaze/live/live_source.h"
+#include "gaze/live/pushed_source.h"
 
 namespace foci {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gaze/sources/sender_clock.h"
+#include "gaze/live/sender_clock.h"
 
 namespace foci {
 

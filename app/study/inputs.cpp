@@ -14,7 +14,7 @@
 #include "app/study/view_remarks.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/lod/moment_tree.h"
 #include "render/optics/view.h"

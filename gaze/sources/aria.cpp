@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "gaze/sources/read_rows.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {

@@ -17,7 +17,6 @@
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/bids_metadata.h"
-#include "gaze/sources/read_rows.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {

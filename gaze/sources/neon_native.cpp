@@ -17,7 +17,6 @@
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
-#include "gaze/sources/read_rows.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {

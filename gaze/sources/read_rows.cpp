@@ -1,5 +1,4 @@
-#include "gaze/sources/read_rows.h"
-
+// Rows of a recording as samples: its columns get a meaning, and each row becomes a sample.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/column_names.h"
+#include "gaze/sources/recording_formats.h"
 #include "gaze/sources/row_times.h"
 #include "gaze/sources/table_row.h"
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gaze/sources/rows.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -57,5 +58,14 @@ std::optional<std::string> otherFileKind(std::string_view start, const std::file
 
 /// @throws InputError if the file is no text that may hold gaze; a file that cannot be read passes
 void requireGazeText(const std::filesystem::path& file);
+
+/// What the recording states of the screen; the rest from the fallback.
+Screen screenInForce(Screen screen, const Screen& fallback);
+
+/// Reads rows as `streamTrace` describes.
+/// @param fallback_screen  for what `rows.before()` does not state
+/// @throws InputError; SeveralPeople
+TraceHeader readRows(Rows& rows, const TraceColumns& columns, const Screen& fallback_screen,
+                     const TakeSample& take);
 
 }  // namespace foci

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/input_error.h"
 #include "gaze/geometry/gaze_sample.h"
-#include "gaze/sources/clock_times.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_row.h"
 
@@ -29,6 +29,31 @@ struct ClockGuess {
 /// apart.
 /// @param samples  the first ones, with times in the file's unit
 ClockGuess guessClock(const std::vector<GazeSample>& samples);
+
+/// Reads a column of times as texts. Each field is a date and a time of day, or a time of day: "10:00:00.123". The
+/// date is "2026-11-26T" (with a blank instead of T, too), "2026/11/26 ", or "26.11.2026 ", where
+/// dots put the day first. An offset such as Z or +02:00 may follow. All fields are of the same
+/// kind as the first.
+class ClockTimes {
+ public:
+  /// Of a date: seconds since 1970 in UTC, or in the recording's own zone if it states none. Of a
+  /// time of day: seconds since the first midnight. A step back by more than half a day passes
+  /// midnight. Exact to a microsecond.
+  /// @return nothing for any other text
+  std::optional<double> seconds(std::string_view text);
+
+  enum class DateForm { none, iso, slashes, dots_day_first };
+
+  bool hasDates() const { return form_.value_or(DateForm::none) != DateForm::none; }
+  bool passesMidnight() const { return midnights_s_ > 0.0; }
+
+ private:
+  std::optional<DateForm> form_{};  // unknown before the first field
+  double last_s_ = 0.0, midnights_s_ = 0.0;
+};
+
+/// Whether a text starts with a date such as "03/04/2026", whose first number may be month or day.
+bool isAmbiguousDate(std::string_view text);
 
 /// Gives times in whole milliseconds the steps of the tracker's own clock. The offset between the
 /// clocks of computer and tracker follows their drift, and is reset after a jump of either.

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "gaze/geometry/gaze_sample.h"
-#include "gaze/sources/space_settings.h"
+#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "base/text.h"
-#include "gaze/sources/read_rows.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {

@@ -6,7 +6,6 @@
 #include "base/input_error.h"
 #include "base/memory_budget.h"
 #include "base/text.h"
-#include "gaze/sources/read_rows.h"
 #include "gaze/sources/recording_formats.h"
 #include "gaze/sources/trace_doubts.h"
 #include "gaze/sources/trace_summary.h"

@@ -20,7 +20,6 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/lsl_stream.h"
-#include "gaze/sources/read_rows.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {

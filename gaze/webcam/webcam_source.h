@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "gaze/sources/live_source.h"
+#include "gaze/live/live_source.h"
 #include "gaze/webcam/webcam_frames.h"
 #include "gaze/webcam/webcam_tracker.h"
 

@@ -9,7 +9,7 @@
 
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 #include "gaze/webcam/webcam_tracker.h"
 #include "tests/faces/observer.h"
 

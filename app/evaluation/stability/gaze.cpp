@@ -9,7 +9,7 @@
 #include "app/evaluation/stability/setups.h"
 #include "gaze/follow/gaze_follower.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 
 namespace foci::stability {
 namespace {

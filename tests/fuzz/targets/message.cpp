@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "calibration/gaze_map/map_units.h"
-#include "gaze/sources/pupil_source.h"
+#include "gaze/live/pupil_source.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "gaze/events/gaze_events.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 
 namespace foci {
 namespace {

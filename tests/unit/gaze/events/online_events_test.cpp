@@ -9,7 +9,7 @@
 #include "gaze/events/agreement.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 
 namespace foci {
 namespace {

@@ -1,4 +1,4 @@
-#include "gaze/sources/clock_times.h"
+#include "gaze/sources/row_times.h"
 
 #include <gtest/gtest.h>
 

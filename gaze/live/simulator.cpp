@@ -1,6 +1,6 @@
 // Saccades have the durations of Carpenter (1988) and the minimum-jerk course of Flash and Hogan
 // (1985). Drift is a smooth random walk. Blinks come at random times.
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "gaze/sources/lsl_source.h"
+#include "gaze/live/lsl_source.h"
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "gaze/sources/pupil_source.h"
+#include "gaze/live/pupil_source.h"
 
 #include <algorithm>
 #include <cmath>

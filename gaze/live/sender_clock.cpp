@@ -1,4 +1,4 @@
-#include "gaze/sources/sender_clock.h"
+#include "gaze/live/sender_clock.h"
 
 #include <algorithm>
 #include <cmath>

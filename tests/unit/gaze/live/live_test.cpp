@@ -13,8 +13,8 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/live_source.h"
-#include "gaze/sources/pupil_source.h"
+#include "gaze/live/live_source.h"
+#include "gaze/live/pupil_source.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
 

@@ -1,4 +1,4 @@
-#include "gaze/sources/lsl_source.h"
+#include "gaze/live/lsl_source.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -19,7 +19,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/lsl_stream.h"
-#include "gaze/sources/read_rows.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 

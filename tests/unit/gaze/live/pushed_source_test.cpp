@@ -1,4 +1,4 @@
-#include "gaze/sources/pushed_source.h"
+#include "gaze/live/pushed_source.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "gaze/sources/live_source.h"
-#include "gaze/sources/sender_clock.h"
+#include "gaze/live/live_source.h"
+#include "gaze/live/sender_clock.h"
 
 namespace foci {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "gaze/sources/live_source.h"
-#include "gaze/sources/sender_clock.h"
+#include "gaze/live/live_source.h"
+#include "gaze/live/sender_clock.h"
 
 namespace foci {
 

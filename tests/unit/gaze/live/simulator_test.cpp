@@ -1,4 +1,4 @@
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 
 #include <gtest/gtest.h>
 

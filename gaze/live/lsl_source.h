@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "gaze/sources/live_source.h"
-#include "gaze/sources/pushed_source.h"
+#include "gaze/live/live_source.h"
+#include "gaze/live/pushed_source.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {

@@ -5,7 +5,7 @@
 #include <msgpack.hpp>
 
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/pupil_source.h"
+#include "gaze/live/pupil_source.h"
 
 namespace foci {
 namespace {

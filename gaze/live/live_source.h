@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
-#include "gaze/sources/sender_clock.h"
+#include "gaze/live/sender_clock.h"
 
 namespace foci {
 

@@ -1,6 +1,6 @@
 // A simulated sender: each sample has a true time of capture, on our clock, and foci sees the
 // sender's time and the arrival alone. The true times are the reference.
-#include "gaze/sources/sender_clock.h"
+#include "gaze/live/sender_clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "gaze/sources/live_source.h"
+#include "gaze/live/live_source.h"
 
 #include <cassert>
 #include <utility>
