@@ -11,9 +11,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
+#include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/bids_metadata.h"
@@ -168,6 +170,14 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
                        "the column x_coordinate");
     }
   }
+  const std::string system = metadata.text("SampleCoordinateSystem");
+  if (!system.empty() && system != "gaze-on-screen" && described.x.empty() &&
+      !described.mapped_later) {
+    throw InputError(metadata.files.back().string(),
+                     "SampleCoordinateSystem " + shown(system) +
+                         ": expected gaze-on-screen; if the columns are positions on the screen, "
+                         "name them with gaze.x and gaze.y");
+  }
   LineReader lines(file);
   TablePreamble before{.screen = metadata.screen()};
   const auto rate = metadata.physio.find("SamplingFrequency");
@@ -180,10 +190,13 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
   std::vector<std::string> assumed;
   const TraceColumns upright = fromUpperLeft(described, metadata, names, screen, assumed);
   const auto side = sideOf(metadata);
-  std::size_t samples = 0;
-  double first_s = 0.0, last_s = 0.0;
+  constexpr std::size_t kEnough = 100, kMany = 8192;  // intervals
+  std::vector<double> intervals_s;
+  double last_s = NAN;
   TraceHeader header = readRows(rows, upright, fallback_screen, [&](const GazeSample& sample) {
-    if (samples++ == 0) first_s = sample.time_s;
+    if (sample.time_s > last_s && intervals_s.size() < kMany) {
+      intervals_s.push_back(sample.time_s - last_s);
+    }
     last_s = sample.time_s;
     if (!side || sample.eyes[0].point_px || sample.eyes[1].point_px) return take(sample);
     GazeSample own = sample;
@@ -195,12 +208,22 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
                                             header.format.find(','), header.format.size()));
   header.assumed.insert(header.assumed.begin(), assumed.begin(), assumed.end());
   takeAssumed(metadata, header);
-  constexpr double kOtherRate = 3.0;  // pauses between blocks make less of a difference
-  const double mean_Hz = static_cast<double>(samples - 1) / (last_s - first_s);
-  if (before.rate_Hz && samples > 100 &&
-      (mean_Hz > kOtherRate * rate_Hz || rate_Hz > kOtherRate * mean_Hz)) {
+  for (const char* key : {"ScreenSize", "ScreenDistance"}) {
+    const bool is_size = std::string_view(key) == "ScreenSize";
+    const Screen& stated = before.screen;
+    if (is_size ? stated.size_m.x > 0.0 : stated.distance_m > 0.0) continue;
+    if (!metadata.stimulus.is_object() || !metadata.stimulus.contains(key)) continue;
+    const std::string value = metadata.stimulus[key].dump();
+    if (value.find_first_of("123456789") == value.npos) continue;  // "n/a"
+    header.warnings.push_back(std::string(key) + " is " + value.substr(0, 40) +
+                              ", which is not 0.01 to 20 m: it is left out; is it in metres?");
+  }
+  constexpr double kOtherRate = 1.3;  // times in whole milliseconds make less of a difference
+  const bool enough = before.rate_Hz && intervals_s.size() > kEnough;
+  const double usual_Hz = enough ? 1.0 / quantile(intervals_s, 0.5) : rate_Hz;
+  if (usual_Hz > kOtherRate * rate_Hz || rate_Hz > kOtherRate * usual_Hz) {
     header.warnings.push_back("SamplingFrequency is " + significant(rate_Hz) +
-                              " Hz, but there are " + significant(mean_Hz) +
+                              " Hz, but there are " + significant(usual_Hz) +
                               " samples a second: is the unit of timestamp right?");
   }
   return header;

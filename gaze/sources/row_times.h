@@ -30,10 +30,10 @@ struct ClockGuess {
 /// @param samples  the first ones, with times in the file's unit
 ClockGuess guessClock(const std::vector<GazeSample>& samples);
 
-/// Reads a column of times as texts. Each field is a date and a time of day, or a time of day: "10:00:00.123". The
-/// date is "2026-11-26T" (with a blank instead of T, too), "2026/11/26 ", or "26.11.2026 ", where
-/// dots put the day first. An offset such as Z or +02:00 may follow. All fields are of the same
-/// kind as the first.
+/// Reads a column of times as texts. Each field is a date and a time of day, or a time of day:
+/// "10:00:00.123". The date is "2026-11-26T" (with a blank instead of T, too), "2026/11/26 ", or
+/// "26.11.2026 ", where dots put the day first. An offset such as Z or +02:00 may follow. All
+/// fields are of the same kind as the first.
 class ClockTimes {
  public:
   /// Of a date: seconds since 1970 in UTC, or in the recording's own zone if it states none. Of a

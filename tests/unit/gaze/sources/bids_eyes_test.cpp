@@ -144,6 +144,25 @@ TEST_F(DataSet, AByteOrderMarkAndALineOfNamesAreSkipped) {
   EXPECT_EQ(readTrace(recording(mark + names + kRows), {}, {}).samples.size(), 2u);
 }
 
+TEST_F(DataSet, WhatIsNoScreenOrNoRateIsSaid) {
+  std::string rows;
+  for (int i = 0; i < 300; ++i) rows += std::to_string(5000 + 2 * i) + "\t400\t100\t1200\n";
+  const auto said = [&] {
+    std::string text;
+    for (const std::string& warning : readTrace(recording(rows), {}, {}).warnings) text += warning;
+    return text;
+  };
+  EXPECT_NE(said().find("SamplingFrequency is 250 Hz, but there are 500"), std::string::npos);
+  EXPECT_EQ(said().find("is left out"), std::string::npos);
+  write("task-look_events.json", R"({"StimulusPresentation": {"ScreenDistance": 600,
+    "ScreenResolution": [800, 600], "ScreenSize": [530, 300]}})");
+  EXPECT_NE(said().find("ScreenSize is [530,300]"), std::string::npos) << said();
+  EXPECT_NE(said().find("ScreenDistance is 600"), std::string::npos) << said();
+  write("sub-01/beh/sub-01_task-look_recording-eye1_physio.json",
+        R"({"RecordedEye": "left", "SampleCoordinateSystem": "eye-in-head"})");
+  EXPECT_THROW(readTrace(recording(rows), {}, {}), InputError);
+}
+
 TEST_F(DataSet, AnEmptyFileIsNamedWithItsMetadata) {
   const auto refusal = [&](const std::string& rows) -> std::string {
     try {
