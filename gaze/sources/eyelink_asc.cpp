@@ -274,7 +274,10 @@ class AscReader {
     double time_ms = stamp_ms;
     if (stamp_ms == last_stamp_ms_ && time_ms_ == stamp_ms) time_ms = stamp_ms + 0.5;
     if (any_ && time_ms <= time_ms_) {
-      throw lines_.error("time " + shown(words_[0]) + " ms is not after the sample before");
+      const char* const advice =
+          block_.has_samples ? "" : ": another recording begins here, so write a file for each";
+      throw lines_.error("time " + shown(words_[0]) + " ms is not after the sample before" +
+                         advice);
     }
     last_stamp_ms_ = stamp_ms;
     time_ms_ = time_ms;

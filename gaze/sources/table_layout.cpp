@@ -368,9 +368,11 @@ class Recogniser {
       const auto has = [&](const char* part) {
         return names_.key(i).find(part) != std::string::npos;
       };
-      const auto hints = {"valid",   "confidence", "quality", "tracking", "tracked", "status",
-                          "eyeopen", "openness",   "lost",    "missing",  "detected"};
-      if (!unused || !std::ranges::any_of(hints, has)) continue;
+      const auto hints = {"valid",    "confidence", "quality", "tracking", "tracked",  "status",
+                          "eyeopen",  "openness",   "lost",    "missing",  "detected", "artefact",
+                          "artifact", "outlier",    "reliab",  "gazestate"};
+      const bool named = isWordOf("bad good ok flag error loss", names_.key(i));
+      if (!unused || !(named || std::ranges::any_of(hints, has))) continue;
       layout_.unused_validity = names_.text(i);
       return;
     }

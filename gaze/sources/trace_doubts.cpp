@@ -360,11 +360,13 @@ std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const
     }
   }
   if (xs[0].size() >= kMinPositions) {
+    constexpr double kMostTold = 100.0;  // times; the other eye may stand still
     const double left = widthOf(rangeOf(xs[0])), right = widthOf(rangeOf(xs[1]));
-    if (std::max(left, right) > kOtherScale * std::min(left, right)) {
+    const double wide = std::max(left, right), narrow = std::min(left, right);
+    if (wide > kOtherScale * narrow) {
       doubts.push_back(std::string("the ") + (left > right ? "left" : "right") +
                        " eye moves over " +
-                       significant(std::max(left, right) / std::min(left, right), 2) +
+                       significant(wide / std::max(narrow, wide / kMostTold), 3) +
                        " times the range of the other: are their columns of one unit "
                        "(gaze.left_x, left_y, right_x, right_y)?");
     }

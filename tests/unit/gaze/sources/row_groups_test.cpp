@@ -41,7 +41,7 @@ GazeTrace read(const std::string& text, const TraceColumns& columns = {}) {
   return readTrace(ScratchFile(text).path(), columns, {});
 }
 
-bool warns(const GazeTrace& trace, const char* of) {
+bool warns(const GazeTrace& trace, const std::string& of) {
   return std::ranges::any_of(trace.warnings, [&](const std::string& warning) {
     return warning.find(of) != std::string::npos;
   });
@@ -328,6 +328,11 @@ TEST(RowGroups, AnEyeThatIsOpenOrShutIsNoOtherEye) {
   const GazeTrace trace = read(text);
   EXPECT_EQ(trace.format, "CSV");
   EXPECT_TRUE(warns(trace, "\"eye_open\" is unused"));
+  for (const char* name : {"bad", "flag", "gaze_state", "artifact"}) {
+    std::string other = text;
+    other.replace(other.find("eye_open"), 8, name);
+    EXPECT_TRUE(warns(read(other), std::string(name) + "\" is unused")) << name;
+  }
 }
 
 /// Gaze at a rate, with times in ticks of a counter's frequency.

@@ -214,6 +214,20 @@ TEST(SpaceFormats, ReadHoloLens) {
   EXPECT_TRUE(previewSpace(ScratchFile(holoLensRow(0, true)).path(), {}).has_head);
 }
 
+TEST(SpaceFormats, TheLastLineOfAHoloLensMayBeCutOff) {
+  const std::string rows = holoLensRow(0, true) + holoLensRow(1, true),
+                    cut = "132500000000666666,1";
+  const GazeTrace trace = readTrace(ScratchFile(rows + cut).path(), {}, kScreen);
+  EXPECT_EQ(trace.samples.size(), 2u);
+  ASSERT_FALSE(trace.warnings.empty());
+  EXPECT_NE(trace.warnings.back().find("cut off"), std::string::npos);
+  EXPECT_THROW(readTrace(ScratchFile(rows + cut + "\n" + holoLensRow(3, true)).path(), {}, kScreen),
+               InputError);
+  const GazeTrace head =
+      readTrace(ScratchFile(rows).path(), {.space = {.from_head = true}}, kScreen);
+  EXPECT_EQ(head.samples[0].direction, glm::dvec3(0.0, 0.0, -1.0));
+}
+
 TEST(SpaceFormats, RefuseAHoloLensHeadThatIsNotRigid) {
   std::string row = holoLensRow(0, true);
   row.replace(row.find(",0.0"), 4, ",0.5");
