@@ -100,8 +100,15 @@ std::optional<ImageSize> statedImageSize(Bytes bytes) {
   return std::nullopt;
 }
 
-void requireImagePixels(const std::filesystem::path& file) {
+void requireWholeImage(const std::filesystem::path& file) {
   const MappedFile mapped(file);
+  const std::string_view text(reinterpret_cast<const char*>(mapped.bytes().data()),
+                              mapped.bytes().size());
+  // The end of the image follows its last scan. The data of a scan hold neither marker.
+  const auto last = [&](std::string_view marker) { return text.rfind(marker) + 1; };
+  if (text.starts_with("\xff\xd8") && last("\xff\xd9") <= last("\xff\xda")) {
+    throw InputError(file.string(), "a JPEG that is cut off: its end is missing");
+  }
   const auto size = statedImageSize(mapped.bytes());
   if (!size || size->columns == 0 || size->rows <= kMaxImagePixels / size->columns) return;
   throw InputError(file.string(), std::to_string(size->columns) + "x" + std::to_string(size->rows) +

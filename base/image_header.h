@@ -20,7 +20,8 @@ std::optional<ImageSize> statedImageSize(std::span<const unsigned char> bytes);
 /// Of an image that foci decodes.
 inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
 
-/// Refuses an image that states more. @throws InputError
-void requireImagePixels(const std::filesystem::path& file);
+/// Refuses an image that states more, and a JPEG without its end: a decoder would only warn, and
+/// fill the rest with grey. @throws InputError
+void requireWholeImage(const std::filesystem::path& file);
 
 }  // namespace foci

@@ -1,8 +1,9 @@
 // `foci calibrate camera`: fits a camera to a board in images, in a video or before a device.
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
+#include <thread>
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
@@ -58,7 +59,7 @@ Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
     // OpenCV would wait for ever at a pipe.
     std::error_code ignored;
     const bool exists = std::filesystem::is_regular_file(file, ignored);
-    if (exists) requireImagePixels(file);
+    if (exists) requireWholeImage(file);
     const QuietStderr quiet;
     const cv::Mat image = exists ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
     if (image.empty()) throw InputError(file, "not an image that can be read");
@@ -74,12 +75,23 @@ Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
   return found;
 }
 
+/// The next frame; of a camera, within ten seconds.
+bool waitForFrame(WebcamFrames& frames, cv::Mat& image) {
+  using namespace std::chrono_literals;
+  const auto end = std::chrono::steady_clock::now() + 10s;
+  while (!frames.next(image)) {
+    if (!frames.isCamera() || std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(2ms);
+  }
+  return true;
+}
+
 /// A view of the video counts once the board has moved.
-Views viewsInStream(cv::VideoCapture& stream, const Board& board) {
-  const QuietStderr quiet;
+Views viewsInStream(WebcamFrames& frames, const Board& board) {
   Views found;
   cv::Mat image;
-  while (found.images < kMaxFrames && found.views.size() < kMaxViews && stream.read(image)) {
+  while (found.images < kMaxFrames && found.views.size() < kMaxViews &&
+         waitForFrame(frames, image)) {
     found.size_px = {image.cols, image.rows};
     ++found.images;
     auto view = findBoard(image, board);
@@ -91,33 +103,14 @@ Views viewsInStream(cv::VideoCapture& stream, const Board& board) {
   return found;
 }
 
-cv::VideoCapture openedStream(const CalibrateCameraOptions& options) {
-  const QuietStderr quiet;
-  cv::VideoCapture stream;
-  if (options.device) {
-    if (!stream.open(*options.device, cv::CAP_V4L2)) {
-      throw std::runtime_error("camera " + std::to_string(*options.device) + " does not open");
-    }
-    return stream;
-  }
-  refuseOtherThanFiles(options.video);
-  std::error_code ignored;
-  const bool is_file = std::filesystem::exists(options.video, ignored);  // else a pattern of images
-  if (!stream.open(options.video.string(), is_file ? cv::CAP_FFMPEG : cv::CAP_IMAGES)) {
-    throw InputError(options.video.string(), "not a video that can be read");
-  }
-  return stream;
-}
-
 /// @return nullopt where the observer left the window
 std::optional<Views> viewsInVideo(const CalibrateCameraOptions& options, const Board& board) {
-  cv::VideoCapture stream = openedStream(options);
-  if (!options.device && !options.window) return viewsInStream(stream, board);
+  WebcamFrames frames({options.device, options.video});
+  if (!options.device && !options.window) return viewsInStream(frames, board);
   Views found;
   const auto next = [&](cv::Mat& image) {
     ++found.images;
-    const QuietStderr quiet;
-    return stream.read(image) && !image.empty();
+    return waitForFrame(frames, image);
   };
   auto views = watchBoardInWindow(next, board, found.size_px);
   if (!views) return std::nullopt;

@@ -89,14 +89,14 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
   std::vector<ShownTarget> others;
   if (!options.validate.empty()) others = readShownTargets(options.validate);
   WebcamTracker tracker(cameraOf(options));
-  const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
-  if (const std::string remark = tracker.remark(); !remark.empty()) warnings.add(remark);
+  const WebcamRecording recording = readWebcam(place, tracker);
+  for (const std::string& warning : recording.warnings) warnings.add(nameOf(place), warning);
   const auto reference = tracker.reference();
   if (!reference) throw InputError(nameOf(place), "no frame shows a face");
   calibration.reference = *reference;
   calibration.screen_m = screen.size_m;
-  return calibrateWebcam(pairFrames(frames, targets), pairFrames(frames, others), screen,
-                         calibration.map);
+  return calibrateWebcam(pairFrames(recording.frames, targets),
+                         pairFrames(recording.frames, others), screen, calibration.map);
 }
 
 void refuseWindowOptions(const CalibrateGazeOptions& options) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -105,16 +104,9 @@ GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
   WebcamTracker tracker(std::nullopt, calibration.reference);
   const WebcamMapping map = mappingOf(calibration.map, screen);
   GazeTrace trace{.format = nameOf(place), .screen = screen};
-  if (!tracker.remark().empty()) trace.warnings.push_back(tracker.remark());
-  std::map<WebcamProblem, std::size_t> problems;
-  for (const WebcamFrame& frame : readWebcam(place, tracker)) {
-    trace.samples.push_back(sampleOf(frame, map));
-    if (frame.record.problem != WebcamProblem::none) ++problems[frame.record.problem];
-  }
-  for (const auto& [problem, count] : problems) {
-    trace.warnings.push_back(std::to_string(count) + " of " + std::to_string(trace.samples.size()) +
-                             " frames: " + std::string(textOf(problem)));
-  }
+  WebcamRecording recording = readWebcam(place, tracker);
+  trace.warnings = std::move(recording.warnings);
+  for (const WebcamFrame& frame : recording.frames) trace.samples.push_back(sampleOf(frame, map));
   if (trace.samples.size() < 2) throw InputError(nameOf(place), "expected at least 2 frames");
   trace.rate_Hz = 1.0 / (trace.samples[1].time_s - trace.samples[0].time_s);
   const bool seen = std::any_of(trace.samples.begin(), trace.samples.end(),

@@ -226,6 +226,7 @@ void watchWebcam(const WatchOptions& options) {
   const auto begin = Clock::now();
   cv::Mat image;
   while (!isInterrupted()) {
+    const auto due_s = frames.isCamera() ? std::nullopt : frames.nextTime_s();
     if (!frames.next(image)) {
       if (!frames.isCamera()) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -234,11 +235,13 @@ void watchWebcam(const WatchOptions& options) {
     const auto now = Clock::now();
     const WebcamRecord record = tracker.push(image);
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - now).count();
-    const double time_s = frames.isCamera() ? std::chrono::duration<double>(now - begin).count()
-                                            : static_cast<double>(totals.frames) / frames.rate_Hz();
+    const double time_s = due_s.value_or(std::chrono::duration<double>(now - begin).count());
     print(rowOf(totals.frames, time_s, ms, record));
     totals.add(record, ms);
     overlay.add(image, record, *tracker.camera());
+  }
+  if (const std::string remark = frames.remark(); !remark.empty()) {
+    std::fprintf(stderr, "foci: %s: %s\n", nameOf(place).c_str(), remark.c_str());
   }
   if (totals.frames == 0) throw InputError(nameOf(place), "has no frame that can be read");
   overlay.finish();

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/input_error.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -94,10 +95,44 @@ std::array<glm::dvec2, 76> eyePoints(cv::dnn::Net& net, const cv::Mat& square, b
   return points;
 }
 
+/// @param left_px, right_px  the corners of the eye on the image
+EyeInImage eyeBetween(cv::dnn::Net& net, const cv::Mat& image, const glm::dvec2& left_px,
+                      const glm::dvec2& right_px) {
+  const glm::dvec2 along = right_px - left_px;
+  const Crop crop{0.5 * (left_px + right_px), std::max(kEyeMargin * glm::length(along), 4.0),
+                  std::atan2(along.y, along.x)};
+  const cv::Mat square = cut(image, crop, kEyePixels);
+  const auto plain = eyePoints(net, square, false);
+  const auto mirrored = eyePoints(net, square, true);
+  constexpr std::size_t kIris = 71;  // its centre; then four points on its edge
+  const auto radius = [](const std::array<glm::dvec2, 76>& p) {
+    return 0.25 *
+           (glm::distance(p[kIris + 1], p[kIris + 3]) + glm::distance(p[kIris + 2], p[kIris + 4]));
+  };
+  const double per_pixel = crop.side_px / kEyePixels;
+  EyeInImage eye;
+  const double radius_crop = 0.5 * (radius(plain) + radius(mirrored));
+  eye.radius_px = per_pixel * radius_crop;
+  eye.disagreement =
+      glm::distance(plain[kIris], mirrored[kIris]) / std::max(2.0 * radius_crop, 1e-3);
+  eye.centre_px = onImage(
+      crop, kEyePixels,
+      0.5 * (plain[kIris] + mirrored[kIris]) - glm::dvec2(0.0, 2.0 * kTooLow * radius_crop));
+  for (std::size_t i = 0; i < eye.lids_px.size(); ++i) {
+    const std::size_t other = i < 9 ? 8 - i : 24 - i;  // the same point of the mirror image
+    eye.lids_px[i] = onImage(crop, kEyePixels, 0.5 * (plain[i] + mirrored[other]));
+  }
+  double apart = 0.0;
+  for (std::size_t i = 1; i < 8; ++i) apart += glm::distance(eye.lids_px[i], eye.lids_px[8 + i]);
+  eye.opening = apart / 7.0 / std::max(glm::distance(eye.lids_px[0], eye.lids_px[8]), 1e-3);
+  return eye;
+}
+
 }  // namespace
 
 struct FaceNetworks::Nets {
-  cv::dnn::Net face, mesh, iris;
+  cv::dnn::Net face, mesh;
+  std::array<cv::dnn::Net, 2> iris;  // one for each eye
 };
 
 FaceNetworks::FaceNetworks(std::unique_ptr<Nets> nets) : nets_(std::move(nets)) {}
@@ -124,11 +159,13 @@ std::vector<std::string> FaceNetworks::missing() {
 
 std::optional<FaceNetworks> FaceNetworks::load() {
   if (!missing().empty()) return std::nullopt;
+  // The layers of these networks are too small for OpenCV's threads, which only take time.
+  cv::setNumThreads(1);
   auto nets = std::make_unique<Nets>();
-  const std::array<cv::dnn::Net*, 3> all{&nets->face, &nets->mesh, &nets->iris};
-  const std::array<int, 3> pixels{kFacePixels, kMeshPixels, kEyePixels};
+  const std::array<cv::dnn::Net*, 4> all{&nets->face, &nets->mesh, &nets->iris[0], &nets->iris[1]};
+  const std::array<int, 4> pixels{kFacePixels, kMeshPixels, kEyePixels, kEyePixels};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::filesystem::path file = folder() / kFiles[i];
+    const std::filesystem::path file = folder() / kFiles[std::min(i, kFiles.size() - 1)];
     try {
       *all[i] = cv::dnn::readNetFromONNX(file.string());
       all[i]->setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
@@ -226,36 +263,13 @@ FaceMesh FaceNetworks::mesh(const cv::Mat& image, const FaceBox& face) {
   return better.side_px > 8.0 ? mesh(image, better) : rough;
 }
 
-EyeInImage FaceNetworks::eye(const cv::Mat& image, const glm::dvec2& left_px,
-                             const glm::dvec2& right_px) {
-  const glm::dvec2 along = right_px - left_px;
-  const Crop crop{0.5 * (left_px + right_px), std::max(kEyeMargin * glm::length(along), 4.0),
-                  std::atan2(along.y, along.x)};
-  const cv::Mat square = cut(image, crop, kEyePixels);
-  const auto plain = eyePoints(nets_->iris, square, false);
-  const auto mirrored = eyePoints(nets_->iris, square, true);
-  constexpr std::size_t kIris = 71;  // its centre; then four points on its edge
-  const auto radius = [](const std::array<glm::dvec2, 76>& p) {
-    return 0.25 *
-           (glm::distance(p[kIris + 1], p[kIris + 3]) + glm::distance(p[kIris + 2], p[kIris + 4]));
-  };
-  const double per_pixel = crop.side_px / kEyePixels;
-  EyeInImage eye;
-  const double radius_crop = 0.5 * (radius(plain) + radius(mirrored));
-  eye.radius_px = per_pixel * radius_crop;
-  eye.disagreement =
-      glm::distance(plain[kIris], mirrored[kIris]) / std::max(2.0 * radius_crop, 1e-3);
-  eye.centre_px = onImage(
-      crop, kEyePixels,
-      0.5 * (plain[kIris] + mirrored[kIris]) - glm::dvec2(0.0, 2.0 * kTooLow * radius_crop));
-  for (std::size_t i = 0; i < eye.lids_px.size(); ++i) {
-    const std::size_t other = i < 9 ? 8 - i : 24 - i;  // the same point of the mirror image
-    eye.lids_px[i] = onImage(crop, kEyePixels, 0.5 * (plain[i] + mirrored[other]));
-  }
-  double apart = 0.0;
-  for (std::size_t i = 1; i < 8; ++i) apart += glm::distance(eye.lids_px[i], eye.lids_px[8 + i]);
-  eye.opening = apart / 7.0 / std::max(glm::distance(eye.lids_px[0], eye.lids_px[8]), 1e-3);
-  return eye;
+std::array<EyeInImage, 2> FaceNetworks::eyes(const cv::Mat& image, const FaceMesh& mesh) {
+  std::array<EyeInImage, 2> both;
+  parallelFor(both.size(), [&](std::size_t i) {
+    const auto [left_px, right_px] = mesh.corners_px(i);
+    both[i] = eyeBetween(nets_->iris[i], image, left_px, right_px);
+  });
+  return both;
 }
 
 }  // namespace foci

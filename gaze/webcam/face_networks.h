@@ -24,6 +24,7 @@ struct FaceBox {
   std::array<glm::dvec2, 2> eyes_px{};  ///< at the image's left and right
 
   double side_px() const { return std::max(max_px.x - min_px.x, max_px.y - min_px.y); }
+  glm::dvec2 middleOfEyes_px() const { return 0.5 * (eyes_px[0] + eyes_px[1]); }
 };
 
 /// A square that a network sees, turned clockwise on the image.
@@ -43,6 +44,12 @@ struct FaceMesh {
   std::vector<glm::dvec3> points;  ///< z grows away from the camera, on the scale of x and y
 
   glm::dvec2 at_px(std::size_t point) const { return glm::dvec2(points[point]); }
+  /// The corners of an eye, at the image's left and right.
+  /// @param eye  0: the observer's left, at the image's right; 1: right
+  std::array<glm::dvec2, 2> corners_px(std::size_t eye) const {
+    const std::size_t left = eye == 0 ? 2 : 0;
+    return {at_px(kEyeCorners[left]), at_px(kEyeCorners[left + 1])};
+  }
   /// The crop in which the network sees this face best.
   Crop crop() const;
 };
@@ -76,8 +83,8 @@ class FaceNetworks {
   FaceMesh mesh(const cv::Mat& image, const Crop& crop);
   /// The mesh of a face that was just found. The second run sees the crop of the first's mesh.
   FaceMesh mesh(const cv::Mat& image, const FaceBox& face);
-  /// @param left_px, right_px  the corners of the eye on the image
-  EyeInImage eye(const cv::Mat& image, const glm::dvec2& left_px, const glm::dvec2& right_px);
+  /// The observer's left and right eye, at the same time on two threads.
+  std::array<EyeInImage, 2> eyes(const cv::Mat& image, const FaceMesh& mesh);
 
  private:
   struct Nets;

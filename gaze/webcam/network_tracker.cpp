@@ -15,6 +15,8 @@ namespace {
 constexpr double kMinMeshScore = 0.5;
 constexpr double kMaxTurn = 0.64;      // cosine of 50 degrees: beyond, an eye is hidden
 constexpr int kCountEvery = 30;        // frames, to count the faces while one is followed
+constexpr int kSeekEvery = 6;          // frames, to seek a face that shows its eyes
+constexpr double kSameFace = 0.25;     // between the middles of the eyes, over the face's side
 constexpr int kPatience = 12;          // frames without eyes, longer than a blink
 constexpr double kMinSize = 0.5;       // of another face, over the largest
 constexpr int kCompared = 100;         // frames, to compare the mesh's pose with the patches'
@@ -33,15 +35,14 @@ double irisConfidence(double disagreement) {
   return std::clamp((kWrong - disagreement) / (kWrong - kSure), 0.0, 1.0);
 }
 
-/// The corners of an eye at the image's left and right. Index 0 is the observer's left eye, at the
-/// image's right.
-std::pair<glm::dvec2, glm::dvec2> cornersOf(const FaceMesh& mesh, std::size_t eye) {
-  const std::size_t left = eye == 0 ? 2 : 0;
-  return {mesh.at_px(FaceMesh::kEyeCorners[left]), mesh.at_px(FaceMesh::kEyeCorners[left + 1])};
-}
-
 bool inside(const cv::Mat& image, const glm::dvec2& px) {
   return px.x >= 0.0 && px.y >= 0.0 && px.x < image.cols && px.y < image.rows;
+}
+
+glm::dvec2 middleOfEyes_px(const FaceMesh& mesh) {
+  glm::dvec2 sum(0.0);
+  for (const std::size_t corner : FaceMesh::kEyeCorners) sum += mesh.at_px(corner);
+  return 0.25 * sum;
 }
 
 /// Whether light saturates a good part of the iris.
@@ -75,44 +76,44 @@ std::optional<WebcamReference> NetworkTracker::reference() const {
 bool NetworkTracker::accept(const cv::Mat& image, const FaceMesh& mesh) const {
   if (!(mesh.score > kMinMeshScore)) return false;
   for (std::size_t eye = 0; eye < 2; ++eye) {
-    const auto [left_px, right_px] = cornersOf(mesh, eye);
+    const auto [left_px, right_px] = mesh.corners_px(eye);
     if (!inside(image, 0.5 * (left_px + right_px))) return false;
   }
   const auto seen = poseOfMesh(camera_, mesh);
   return seen && seen->camera_from_head[2].z > kMaxTurn;
 }
 
-/// Whether both irises are seen.
-bool NetworkTracker::showsEyes(const cv::Mat& image, const FaceMesh& mesh) {
-  for (std::size_t eye = 0; eye < 2; ++eye) {
-    const auto [left_px, right_px] = cornersOf(mesh, eye);
-    if (networks_.eye(image, left_px, right_px).disagreement >= kMaxDisagreement) return false;
-  }
-  return true;
-}
-
 /// Searches the whole image, and counts its faces. Follows the largest one, unless one is followed
 /// already. If that one hides its eyes, a face of at least half its size that shows them is better.
 void NetworkTracker::search(const cv::Mat& image) {
   frames_since_search_ = 0;
-  faces_ = 0;
-  std::vector<FaceMesh> meshes;
-  std::vector<double> sides_px;
+  std::vector<FaceMesh> found;
+  std::vector<glm::dvec2> known_px;  // middles of the eyes
+  if (mesh_) known_px.push_back(middleOfEyes_px(*mesh_));
   for (const FaceBox& box : networks_.detect(image)) {
+    const double reach_px = kSameFace * box.side_px();
+    const auto near = [&](const glm::dvec2& px) {
+      return std::any_of(known_px.begin(), known_px.end(), [&](const glm::dvec2& known) {
+        return glm::distance(known, px) < reach_px;
+      });
+    };
+    if (near(box.middleOfEyes_px())) continue;
     FaceMesh mesh = networks_.mesh(image, box);
-    if (!(mesh.score > kMinMeshScore)) continue;
-    ++faces_;
-    if (!accept(image, mesh)) continue;
-    meshes.push_back(std::move(mesh));
-    sides_px.push_back(box.side_px());
+    if (!(mesh.score > kMinMeshScore) || near(middleOfEyes_px(mesh))) continue;
+    known_px.push_back(middleOfEyes_px(mesh));
+    if (accept(image, mesh)) found.push_back(std::move(mesh));
   }
-  if (meshes.empty() || (mesh_ && !eyesAreGone())) return;
-  for (std::size_t i = 0; i < meshes.size() && sides_px[i] >= kMinSize * sides_px[0]; ++i) {
-    if (!(mesh_ || meshes.size() > 1) || !showsEyes(image, meshes[i])) continue;
-    begin(std::move(meshes[i]));
+  faces_ = static_cast<int>(known_px.size());
+  if (found.empty() || (mesh_ && !eyesAreGone())) return;
+  const double largest_px = (mesh_ ? *mesh_ : found.front()).crop().side_px;
+  for (FaceMesh& mesh : found) {
+    if (!(mesh_ || found.size() > 1) || mesh.crop().side_px < kMinSize * largest_px) continue;
+    const auto eyes = networks_.eyes(image, mesh);
+    if (std::max(eyes[0].disagreement, eyes[1].disagreement) >= kMaxDisagreement) continue;
+    begin(std::move(mesh));
     return;
   }
-  if (!mesh_) begin(std::move(meshes.front()));
+  if (!mesh_) begin(std::move(found.front()));
 }
 
 void NetworkTracker::begin(FaceMesh mesh) {
@@ -163,7 +164,7 @@ void NetworkTracker::learnPose(const cv::Mat& grey) {
   if (!head_.started()) {
     // The eyes at rest look ahead, midway between their corners.
     for (std::size_t i = 0; i < 2; ++i) {
-      const auto [left_px, right_px] = cornersOf(*mesh_, i);
+      const auto [left_px, right_px] = mesh_->corners_px(i);
       eyes_mm_[i] = onHeadPlane_mm(camera_, pose_, 0.5 * (left_px + right_px), kIrisDepth_mm);
     }
   }
@@ -172,13 +173,11 @@ void NetworkTracker::learnPose(const cv::Mat& grey) {
 
 /// Reads open eyes, and their offsets in the head's frame.
 void NetworkTracker::readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamRecord& record) {
-  std::array<EyeInImage, 2> eyes;
+  const std::array<EyeInImage, 2> eyes = networks_.eyes(image, *mesh_);
   double openings = 0.0;
   std::array<double, 2> opening{};  // over the usual one
   std::array<bool, 2> sure{};
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto [left_px, right_px] = cornersOf(*mesh_, i);
-    eyes[i] = networks_.eye(image, left_px, right_px);
     record.lids_px[i].assign(eyes[i].lids_px.begin(), eyes[i].lids_px.end());
     std::reverse(record.lids_px[i].begin() + 9, record.lids_px[i].end());
     sure[i] = eyes[i].disagreement < kMaxDisagreement;
@@ -198,7 +197,7 @@ void NetworkTracker::readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamR
     seen[i] = true;
     const double confidence = irisConfidence(eyes[i].disagreement);
     record.irises[i] = Iris{eyes[i].centre_px, eyes[i].radius_px, 0.0, confidence};
-    record.confidence += 0.5 * confidence;
+    record.confidence += confidence;
     const glm::dvec3& rest = eyes_mm_[i];
     offset_mm[i] = glm::dvec2(onHeadPlane_mm(camera_, pose_, eyes[i].centre_px, rest.z) - rest);
     double& usual = usual_opening_[i];
@@ -210,6 +209,7 @@ void NetworkTracker::readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamR
     record.blink = true;
     return;
   }
+  if (seen[0] && seen[1]) record.confidence *= 0.5;
   record.view = webcamView(pose_, mean_offset_.of(offset_mm, seen));
   if (record.problem != WebcamProblem::none) return;
   const double iris_px = 2.0 * kLimbus_mm * camera_.focal_px.x / pose_.position_mm.z;
@@ -226,7 +226,8 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
     if (!accept(image, *mesh_)) mesh_.reset();
   }
   ++frames_since_search_;
-  if (!mesh_ || eyesAreGone() || frames_since_search_ >= kCountEvery) search(image);
+  const bool due = frames_since_search_ >= (eyesAreGone() ? kSeekEvery : kCountEvery);
+  if (!mesh_ || due) search(image);
   record.faces = faces_;
   cv::Mat grey;
   if (mesh_) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);

@@ -24,7 +24,6 @@ class NetworkTracker {
   void begin(FaceMesh mesh);
   bool eyesAreGone() const;
   bool accept(const cv::Mat& image, const FaceMesh& mesh) const;
-  bool showsEyes(const cv::Mat& image, const FaceMesh& mesh);
   bool updatePose(const cv::Mat& grey);
   void learnPose(const cv::Mat& grey);
   void readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamRecord& record);

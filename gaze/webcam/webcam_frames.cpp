@@ -4,12 +4,14 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
+#include <regex>
 #include <vector>
 
 #include "base/image_header.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/quiet_stderr.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -18,8 +20,20 @@ constexpr std::string_view kPrefix = "webcam";
 constexpr int kMinSide_px = 120, kMaxSide_px = 8192;
 constexpr int kMaxDevices = 64;
 
-bool isPattern(const std::filesystem::path& file) {
-  return file.filename().string().find('%') != std::string::npos;
+/// 8 or 16 bits a channel, grey or colour; transparency is left out.
+cv::Mat readImage(const std::filesystem::path& file) {
+  requireRegularFile(file);
+  requireWholeImage(file);
+  const cv::Mat read = cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
+  if (read.empty()) throw InputError(file.string(), "no image that can be read");
+  if (read.depth() == CV_8U) return read;
+  if (read.depth() != CV_16U) {
+    throw InputError(file.string(),
+                     "an image of numbers that are not whole: expected 8 or 16 bits");
+  }
+  cv::Mat image;
+  read.convertTo(image, CV_8U, 1.0 / 257.0);
+  return image;
 }
 
 /// Silences OpenCV and the libraries below it while it lives: foci reports the errors itself.
@@ -60,25 +74,6 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source) {
   return WebcamPlace{.file = std::filesystem::path(source)};
 }
 
-void refuseOtherThanFiles(const std::filesystem::path& video) {
-  requireRegularFile(video);
-  std::error_code ignored;
-  if (!isPattern(video)) {
-    if (std::filesystem::exists(video, ignored)) requireImagePixels(video);
-    return;
-  }
-  const std::string name = video.filename().string();
-  const std::string before = name.substr(0, name.find('%'));
-  const auto folder = video.has_parent_path() ? video.parent_path() : std::filesystem::path(".");
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    const auto& image = entry.path();
-    if (image.extension() != video.extension()) continue;
-    if (!image.filename().string().starts_with(before)) continue;
-    requireRegularFile(image);
-    requireImagePixels(image);
-  }
-}
-
 std::string nameOf(const WebcamPlace& place) {
   return "webcam " + (place.device ? std::to_string(*place.device) : place.file.string());
 }
@@ -94,27 +89,56 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
     }
   } else {
     const std::string name = place.file.string();
-    refuseOtherThanFiles(place.file);
     std::error_code ignored;
-    picture_ = !isPattern(place.file) && cv::haveImageReader(name);
-    if (picture_) return;
-    const bool opened = isPattern(place.file)
-                            ? capture.open(name, cv::CAP_IMAGES)
-                            : std::filesystem::is_regular_file(place.file, ignored) &&
-                                  capture.open(name, cv::CAP_FFMPEG);
-    if (!opened) throw InputError(name, "no video or images that can be read");
+    const bool exists = std::filesystem::exists(place.file, ignored);
+    const std::regex pattern("([^%]*)%(0?)([1-9]?)d([^%]*)");
+    std::smatch parts;
+    if (!exists && std::regex_match(name, parts, pattern)) {
+      before_number_ = parts[1];
+      digits_ = parts[3].length() > 0 ? std::stoi(parts[3]) : 0;
+      after_number_ = parts[4];
+      first_ = std::filesystem::exists(image(0), ignored) ? 0 : 1;
+      if (!std::filesystem::exists(image(0), ignored)) {
+        throw InputError(name, "no such images: expected number 0 or 1 first");
+      }
+    }
+    requireRegularFile(place.file);
+    images_ = isPattern() || cv::haveImageReader(name);
+    if (images_) return;
+    if (!exists || !capture.open(name, cv::CAP_FFMPEG)) {
+      throw InputError(name, "not a video or image that can be read");
+    }
+    stated_ = capture.get(cv::CAP_PROP_FRAME_COUNT);
   }
   const double rate_Hz = capture.get(cv::CAP_PROP_FPS);
-  if (rate_Hz >= 5.0 && rate_Hz <= 1000.0 && !isPattern(place.file)) rate_Hz_ = rate_Hz;
+  if (rate_Hz >= 5.0 && rate_Hz <= 1000.0) rate_Hz_ = rate_Hz;
+}
+
+std::filesystem::path WebcamFrames::image(std::size_t index) const {
+  if (!isPattern()) return place_.file;
+  std::string number = std::to_string(first_ + index);
+  const auto digits = static_cast<std::size_t>(digits_);
+  if (number.size() < digits) number.insert(0, digits - number.size(), '0');
+  return before_number_ + number + after_number_;
+}
+
+std::string WebcamFrames::remark() const {
+  constexpr double kEnough = 0.95;  // of a count that may be an estimate from the duration
+  const auto count = static_cast<double>(count_);
+  if (isCamera() || grabbed_ || !(stated_ < 1e9) || count + 1.0 >= kEnough * stated_) return "";
+  return "ends after " + std::to_string(count_) + " of the " + decimal(stated_, 0) +
+         " frames that it states: the file may be damaged or cut off";
 }
 
 WebcamFrames::~WebcamFrames() = default;
 
 bool WebcamFrames::grab() {
   if (grabbed_) return true;
-  if (picture_) {
-    last_s_ = 0.0;
-    return grabbed_ = capture_->image.empty();
+  if (images_) {
+    std::error_code ignored;
+    if (isPattern() ? !std::filesystem::exists(image(count_), ignored) : count_ > 0) return false;
+    last_s_ = static_cast<double>(count_++) / rate_Hz_;
+    return grabbed_ = true;
   }
   cv::VideoCapture& capture = capture_->captures.front();
   grabbed_ = capture.grab();
@@ -125,8 +149,7 @@ bool WebcamFrames::grab() {
   const double since_s = stamp_s - *first_stamp_s_;
   const bool later = !last_s_ || since_s > *last_s_;
   const double nominal_s = static_cast<double>(count_++) / rate_Hz_;
-  varies_ = varies_ || (later && !isPattern(place_.file) && since_s > 0.0 &&
-                        std::abs(since_s - nominal_s) > kRounding_s);
+  varies_ = varies_ || (later && since_s > 0.0 && std::abs(since_s - nominal_s) > kRounding_s);
   last_s_ = !varies_ ? nominal_s : later ? since_s : *last_s_ + 1.0 / rate_Hz_;
   return true;
 }
@@ -148,10 +171,8 @@ bool WebcamFrames::next(cv::Mat& frame) {
   }
   if (!grab()) return false;
   grabbed_ = false;
-  if (picture_) {
-    capture_->image = cv::imread(place_.file.string());
-    if (capture_->image.empty())
-      throw InputError(place_.file.string(), "no image that can be read");
+  if (images_) {
+    capture_->image = readImage(image(count_ - 1));
   } else if (!capture.retrieve(capture_->image) || capture_->image.empty()) {
     return false;
   }
@@ -160,7 +181,7 @@ bool WebcamFrames::next(cv::Mat& frame) {
   const int longer = std::max(image.cols, image.rows);
   const std::string size = std::to_string(image.cols) + "x" + std::to_string(image.rows);
   if (shorter < kMinSide_px || longer > kMaxSide_px) {
-    throw InputError(nameOf(place_), "frames of " + size + " px: expected 120 to 8192");
+    throw InputError(nameOf(place_), "frames of " + size + " px: expected sides of 120 to 8192 px");
   }
   if (capture_->size != cv::Size() && capture_->size != image.size()) {
     throw InputError(nameOf(place_), "a frame of " + size + " px: another size than those before");

@@ -16,7 +16,8 @@ namespace foci {
 
 struct WebcamPlace {
   std::optional<int> device{};  ///< a camera's number
-  /// Else a video, a picture, or a pattern of images such as "eye%04d.png".
+  /// Else a video, a picture, or a pattern of images such as "eye%04d.png": from number 0 or 1 to
+  /// the first gap.
   std::filesystem::path file{};
 };
 
@@ -26,11 +27,6 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source);
 
 /// "webcam 0", "webcam eyes.mp4".
 std::string nameOf(const WebcamPlace& place);
-
-/// Refuses a video, or an image of a pattern, that is a folder, a pipe or a device: OpenCV would
-/// wait for it for ever.
-/// @throws InputError
-void refuseOtherThanFiles(const std::filesystem::path& video);
 
 class WebcamFrames {
  public:
@@ -42,7 +38,8 @@ class WebcamFrames {
 
   /// The next frame, 8 bits, one channel or BGR. Never waits for a camera.
   /// @return false if the camera has no new frame, or at the end of a file
-  /// @throws InputError if a frame is too small, or differs in size from the previous ones
+  /// @throws InputError if a frame is too small, or differs in size from the previous ones, or if
+  ///   an image cannot be read to its end
   bool next(cv::Mat& frame);
 
   /// Of a file: when its next frame is due, seconds from its first one. A video whose rate varies
@@ -53,19 +50,28 @@ class WebcamFrames {
   /// Nominal frame rate, > 0; 30 for images.
   double rate_Hz() const { return rate_Hz_; }
   bool isCamera() const { return place_.device.has_value(); }
-  bool isPicture() const { return picture_; }
+  bool isPicture() const { return images_ && !isPattern(); }
+
+  /// After the last frame: a sentence about the frames that a video states and does not hold.
+  std::string remark() const;
 
  private:
   struct Capture;
+  bool isPattern() const { return !after_number_.empty(); }
+  std::filesystem::path image(std::size_t index) const;
   bool grab();
 
   WebcamPlace place_;
   std::unique_ptr<Capture> capture_;
   double rate_Hz_ = 30.0;
-  bool picture_ = false;   // a single one
+  bool images_ = false;                           // a pattern of them, or a single picture
+  std::string before_number_{}, after_number_{};  // a pattern's
+  int digits_ = 0;
+  std::size_t first_ = 0;  // number of a pattern
   bool grabbed_ = false;   // the next frame
   bool varies_ = false;    // the rate
   std::size_t count_ = 0;  // frames grabbed
+  double stated_ = 0.0;    // frames of a video; 0: not known
   std::optional<double> first_stamp_s_{}, last_s_{};
 };
 

@@ -17,7 +17,7 @@ std::string_view textOf(WebcamProblem problem) {
     case WebcamProblem::too_far:
       return "the face is too far away or the image too small: an iris needs 8 pixels";
     case WebcamProblem::several_faces:
-      return "several faces: the largest one is followed";
+      return "several faces: the one that was followed, or else the largest, is used";
     case WebcamProblem::none:
       break;
   }

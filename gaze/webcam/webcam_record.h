@@ -30,7 +30,7 @@ enum class WebcamProblem {
   glints,          ///< cover an iris
   one_eye_hidden,  ///< the gaze is that of the other eye
   too_far,         ///< irises of fewer than 8 pixels
-  several_faces,   ///< the largest one is followed
+  several_faces,   ///< one is followed: as before, else the largest
 };
 
 /// For people: "no face in view".

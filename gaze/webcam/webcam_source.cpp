@@ -1,6 +1,7 @@
 #include "gaze/webcam/webcam_source.h"
 
 #include <chrono>
+#include <map>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -25,17 +26,30 @@ GazeSample sampleOf(const WebcamFrame& frame, const WebcamMapping& map) {
   return sample;
 }
 
-std::vector<WebcamFrame> readWebcam(const WebcamPlace& place, WebcamTracker& tracker) {
+WebcamRecording readWebcam(const WebcamPlace& place, WebcamTracker& tracker) {
   WebcamFrames frames(place);
   if (frames.isCamera())
     throw InputError(nameOf(place), "expected a recording: a camera never ends");
-  std::vector<WebcamFrame> all;
+  WebcamRecording recording;
+  std::map<WebcamProblem, std::size_t> problems;
   for (cv::Mat image; const auto time_s = frames.nextTime_s();) {
     if (!frames.next(image)) break;
-    all.push_back({*time_s, tracker.push(image)});
+    recording.frames.push_back({*time_s, tracker.push(image)});
+    const WebcamProblem problem = recording.frames.back().record.problem;
+    if (problem != WebcamProblem::none) ++problems[problem];
   }
-  if (all.empty()) throw InputError(nameOf(place), "has no frame that can be read");
-  return all;
+  if (recording.frames.empty()) {
+    throw InputError(nameOf(place), "has no frame that can be read");
+  }
+  for (const std::string& remark : {tracker.remark(), frames.remark()}) {
+    if (!remark.empty()) recording.warnings.push_back(remark);
+  }
+  for (const auto& [problem, count] : problems) {
+    recording.warnings.push_back(std::to_string(count) + " of " +
+                                 std::to_string(recording.frames.size()) +
+                                 " frames: " + std::string(textOf(problem)));
+  }
+  return recording;
 }
 
 WebcamSource::WebcamSource(const WebcamPlace& place, WebcamTracker tracker, WebcamMapping map)

@@ -25,9 +25,16 @@ struct WebcamFrame {
 /// @param map  absent: the sample has no point
 GazeSample sampleOf(const WebcamFrame& frame, const WebcamMapping& map);
 
+struct WebcamRecording {
+  std::vector<WebcamFrame> frames;
+  /// What stands in the way of good gaze, a sentence each: `WebcamTracker::remark`,
+  /// `WebcamFrames::remark`, and in how many frames there was which problem.
+  std::vector<std::string> warnings;
+};
+
 /// Reads every frame of a video or of images.
 /// @throws InputError if the file cannot be read or has no frame
-std::vector<WebcamFrame> readWebcam(const WebcamPlace& place, WebcamTracker& tracker);
+WebcamRecording readWebcam(const WebcamPlace& place, WebcamTracker& tracker);
 
 class WebcamSource : public LiveSource {
  public:
