@@ -24,7 +24,6 @@ struct FaceBox {
   std::array<glm::dvec2, 2> eyes_px{};  ///< at the image's left and right
 
   double side_px() const { return std::max(max_px.x - min_px.x, max_px.y - min_px.y); }
-  glm::dvec2 middleOfEyes_px() const { return 0.5 * (eyes_px[0] + eyes_px[1]); }
 };
 
 /// A square that a network sees, turned clockwise on the image.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -15,8 +16,9 @@ namespace {
 constexpr double kMinMeshScore = 0.5;
 constexpr double kMaxTurn = 0.64;      // cosine of 50 degrees: beyond, an eye is hidden
 constexpr int kCountEvery = 30;        // frames, to count the faces while one is followed
+constexpr double kMoved = 0.08;        // of a crop's side, and radians
 constexpr int kSeekEvery = 6;          // frames, to seek a face that shows its eyes
-constexpr double kSameFace = 0.25;     // between the middles of the eyes, over the face's side
+constexpr double kSameFace = 0.5;      // between the middles of the eyes, over the face's side
 constexpr int kPatience = 12;          // frames without eyes, longer than a blink
 constexpr double kMinSize = 0.5;       // of another face, over the largest
 constexpr int kCompared = 100;         // frames, to compare the mesh's pose with the patches'
@@ -43,6 +45,12 @@ glm::dvec2 middleOfEyes_px(const FaceMesh& mesh) {
   glm::dvec2 sum(0.0);
   for (const std::size_t corner : FaceMesh::kEyeCorners) sum += mesh.at_px(corner);
   return 0.25 * sum;
+}
+
+bool hasMoved(const Crop& from, const Crop& to) {
+  return glm::distance(from.centre_px, to.centre_px) > kMoved * from.side_px ||
+         std::abs(to.side_px / from.side_px - 1.0) > kMoved ||
+         std::abs(std::remainder(to.angle_rad - from.angle_rad, 2.0 * std::numbers::pi)) > kMoved;
 }
 
 /// Whether light saturates a good part of the iris.
@@ -84,27 +92,36 @@ bool NetworkTracker::accept(const cv::Mat& image, const FaceMesh& mesh) const {
 }
 
 /// Searches the whole image, and counts its faces. Follows the largest one, unless one is followed
-/// already. If that one hides its eyes, a face of at least half its size that shows them is better.
-void NetworkTracker::search(const cv::Mat& image) {
+/// already: of that one, it finds the mesh anew, since a mesh that lost its face may sit on a mouth
+/// for eyes. If that face hides its eyes, one of at least half its size that shows them is better.
+/// @param in_doubt  whether a followed face that is not found here may be none
+void NetworkTracker::search(const cv::Mat& image, bool in_doubt) {
   frames_since_search_ = 0;
+  bool is_gone = eyesAreGone() || in_doubt;
   std::vector<FaceMesh> found;
   std::vector<glm::dvec2> known_px;  // middles of the eyes
   if (mesh_) known_px.push_back(middleOfEyes_px(*mesh_));
   for (const FaceBox& box : networks_.detect(image)) {
-    const double reach_px = kSameFace * box.side_px();
-    const auto near = [&](const glm::dvec2& px) {
-      return std::any_of(known_px.begin(), known_px.end(), [&](const glm::dvec2& known) {
-        return glm::distance(known, px) < reach_px;
-      });
-    };
-    if (near(box.middleOfEyes_px())) continue;
     FaceMesh mesh = networks_.mesh(image, box);
-    if (!(mesh.score > kMinMeshScore) || near(middleOfEyes_px(mesh))) continue;
-    known_px.push_back(middleOfEyes_px(mesh));
-    if (accept(image, mesh)) found.push_back(std::move(mesh));
+    if (!(mesh.score > kMinMeshScore)) continue;
+    const glm::dvec2 middle_px = middleOfEyes_px(mesh);
+    const auto same = std::find_if(known_px.begin(), known_px.end(), [&](const glm::dvec2& known) {
+      return glm::distance(known, middle_px) < kSameFace * box.side_px();
+    });
+    const bool followed = mesh_ && same == known_px.begin();
+    if (!followed && same != known_px.end()) continue;
+    const bool shows_eyes = accept(image, mesh);
+    if (followed) {
+      known_px.front() = middle_px;
+      is_gone = eyesAreGone();
+      if (shows_eyes) mesh_ = std::move(mesh);
+      continue;
+    }
+    known_px.push_back(middle_px);
+    if (shows_eyes) found.push_back(std::move(mesh));
   }
   faces_ = static_cast<int>(known_px.size());
-  if (found.empty() || (mesh_ && !eyesAreGone())) return;
+  if (found.empty() || (mesh_ && !is_gone)) return;
   const double largest_px = (mesh_ ? *mesh_ : found.front()).crop().side_px;
   for (FaceMesh& mesh : found) {
     if (!(mesh_ || found.size() > 1) || mesh.crop().side_px < kMinSize * largest_px) continue;
@@ -219,15 +236,9 @@ void NetworkTracker::readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamR
                                            : WebcamProblem::none;
 }
 
-WebcamRecord NetworkTracker::push(const cv::Mat& image) {
+/// Pose and eyes of the face that the mesh shows.
+WebcamRecord NetworkTracker::read(const cv::Mat& image) {
   WebcamRecord record;
-  if (mesh_) {
-    mesh_ = networks_.mesh(image, mesh_->crop());
-    if (!accept(image, *mesh_)) mesh_.reset();
-  }
-  ++frames_since_search_;
-  const bool due = frames_since_search_ >= (eyesAreGone() ? kSeekEvery : kCountEvery);
-  if (!mesh_ || due) search(image);
   record.faces = faces_;
   cv::Mat grey;
   if (mesh_) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
@@ -245,7 +256,31 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
   record.eyes_px = project(camera_, pose_, glm::dvec3(0.0, 0.0, kIrisDepth_mm));
   record.ipd_px = kMeanIpd_mm * camera_.focal_px.x / pose_.position_mm.z;
   readEyes(image, grey, record);
-  showed_eyes_ = showed_eyes_ || (record.irises[0] && record.irises[1]);
+  return record;
+}
+
+WebcamRecord NetworkTracker::push(const cv::Mat& image) {
+  bool jumped = false;
+  if (mesh_) {
+    const Crop crop = mesh_->crop();
+    mesh_ = networks_.mesh(image, crop);
+    jumped = hasMoved(crop, mesh_->crop());
+    if (!accept(image, *mesh_)) mesh_.reset();
+  }
+  ++frames_since_search_;
+  const bool due = frames_since_search_ >= (eyesAreGone() ? kSeekEvery : kCountEvery);
+  if (!mesh_ || jumped || due) search(image, jumped);
+  WebcamRecord record = read(image);
+  const auto showsBoth = [&] { return record.irises[0] && record.irises[1]; };
+  if (mesh_ && shows_both_ && !showsBoth() && frames_since_search_ > 0) {
+    // The eyes shut, or the face jumped out of a crop in which the network still sees one.
+    const Crop crop = mesh_->crop();
+    search(image, true);
+    if (hasMoved(crop, mesh_->crop())) record = read(image);
+  }
+  shows_both_ = showsBoth();
+  if (!mesh_) return record;
+  showed_eyes_ = showed_eyes_ || shows_both_;
   const bool gone = showed_eyes_ ? record.blink : true;
   frames_without_eyes_ = gone ? frames_without_eyes_ + 1 : 0;
   return record;

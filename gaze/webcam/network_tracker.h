@@ -20,12 +20,13 @@ class NetworkTracker {
   std::optional<WebcamReference> reference() const;
 
  private:
-  void search(const cv::Mat& image);
+  void search(const cv::Mat& image, bool in_doubt);
   void begin(FaceMesh mesh);
   bool eyesAreGone() const;
   bool accept(const cv::Mat& image, const FaceMesh& mesh) const;
   bool updatePose(const cv::Mat& grey);
   void learnPose(const cv::Mat& grey);
+  WebcamRecord read(const cv::Mat& image);
   void readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamRecord& record);
 
   FaceNetworks networks_;
@@ -43,7 +44,8 @@ class NetworkTracker {
   int misses_ = 0;          // to find them, in a row
   int faces_ = 0;
   int frames_since_search_ = 0;
-  bool showed_eyes_ = false;  // both at once
+  bool shows_both_ = false;   // eyes, in the latest frame
+  bool showed_eyes_ = false;  // both at once, since the face was found
   int frames_without_eyes_ = 0;
   std::array<double, 2> usual_opening_{};  // 0: not known
   MeanOffset mean_offset_;
