@@ -28,13 +28,15 @@ constexpr double kOpening = 0.22;      // of an eye whose usual opening is not k
 constexpr double kBlink = 0.72;        // mean opening of both eyes over the usual one: a blink
 constexpr double kHidden = 0.6;        // the same for one eye
 constexpr double kRise = 0.2, kFall = 0.01;  // weight of a frame in the usual opening
-// Iris diameters between the two runs of the network: up to the first all irises were right, beyond
-// the second none.
-constexpr double kSure = 0.2, kWrong = 0.45, kMaxDisagreement = 0.3;
+// Between the two runs of the network, iris diameters: beyond, every fifth iris is wrong.
+constexpr double kMaxDisagreement = 0.3;
 constexpr double kGlint = 240.0, kGlintShare = 0.25;
 
+/// Share of right irises among those of this disagreement: a logistic curve, fitted to photographs
+/// of faces that were made smaller, darker, noisy, blurred or partly covered
+/// (docs/calibration.md#with-a-webcam).
 double irisConfidence(double disagreement) {
-  return std::clamp((kWrong - disagreement) / (kWrong - kSure), 0.0, 1.0);
+  return 0.99 / (1.0 + std::exp((disagreement - 0.54) / 0.16));
 }
 
 bool inside(const cv::Mat& image, const glm::dvec2& px) {
@@ -93,7 +95,7 @@ bool NetworkTracker::accept(const cv::Mat& image, const FaceMesh& mesh) const {
 
 /// Searches the whole image, and counts its faces. Follows the largest one, unless one is followed
 /// already: of that one, it finds the mesh anew, since a mesh that lost its face may sit on a mouth
-/// for eyes. If that face hides its eyes, one of at least half its size that shows them is better.
+/// for eyes. If that face hides its eyes, one of at least half its size that shows one is better.
 /// @param in_doubt  whether a followed face that is not found here may be none
 void NetworkTracker::search(const cv::Mat& image, bool in_doubt) {
   frames_since_search_ = 0;
@@ -126,7 +128,7 @@ void NetworkTracker::search(const cv::Mat& image, bool in_doubt) {
   for (FaceMesh& mesh : found) {
     if (!(mesh_ || found.size() > 1) || mesh.crop().side_px < kMinSize * largest_px) continue;
     const auto eyes = networks_.eyes(image, mesh);
-    if (std::max(eyes[0].disagreement, eyes[1].disagreement) >= kMaxDisagreement) continue;
+    if (std::min(eyes[0].disagreement, eyes[1].disagreement) >= kMaxDisagreement) continue;
     begin(std::move(mesh));
     return;
   }

@@ -69,9 +69,10 @@ std::optional<Eye::Lids> Eye::lidsAt(double x) const {
   const double q = (side_ * (x - centre_.x) - kMiddle_mm) / kHalf_mm;
   if (std::abs(q) >= 1.0) return std::nullopt;
   const double line = 0.5 - q;  // the outer corner lies higher
-  const double open_upper = line - (5.4 + 0.17 * upwards_deg_) * std::pow(1.0 - q * q, 0.75);
-  const double lower =
-      line + (4.9 - 0.06 * upwards_deg_ - 0.8 * closed_) * std::pow(1.0 - q * q, 0.85);
+  const double open_upper =
+      line - person_.lids * (5.4 + 0.17 * upwards_deg_) * std::pow(1.0 - q * q, 0.75);
+  const double lower = line + person_.lids * (4.9 - 0.06 * upwards_deg_ - 0.8 * closed_) *
+                                  std::pow(1.0 - q * q, 0.85);
   return Lids{glm::mix(open_upper, lower, closed_), lower};
 }
 
@@ -92,11 +93,29 @@ float Eye::lashesAt(double x, double y) const {
   const float hairs = smoothNoise(static_cast<float>(x) / 0.5f, static_cast<float>(y) / 2.5f,
                                   person_.seed * 16 + 9);
   const double above = lids->upper - y, below = y - lids->lower;
+  if (person_.made_up) {
+    return static_cast<float>(above >= 0.0
+                                  ? 0.9 * step(3.2, 1.4, above) + 0.5 * step(9.0, 3.0, above)
+                                  : 0.9 * step(2.2, 0.7, below));
+  }
   if (above >= 0.0) {
     return static_cast<float>(step(1.5, 0.3, above)) * 0.9f +
            static_cast<float>(step(3.5, 1.0, above)) * 0.35f * hairs;
   }
   return below >= 0.0 ? static_cast<float>(step(1.5, 0.0, below)) * (0.15f + 0.3f * hairs) : 0.0f;
+}
+
+float Eye::lashesOver(double x, double y) const {
+  const auto lids = lidsAt(x);
+  if (!lids || person_.lashes == 0.0) return 0.0f;
+  // Hairs that spread outwards, in front of the eye's upper part and, fewer, of its lower rim.
+  const double under = y - lids->upper, over = lids->lower - y;
+  const double fan = x + 0.35 * (x - centre_.x) / 14.0 * under;
+  const auto hair = static_cast<double>(
+      smoothNoise(static_cast<float>(fan) / 0.45f + 300.0f, 7.0f, person_.seed * 16 + 12));
+  const double upper = step(3.6 * (0.4 + hair), 0.3, under) * (0.45 + 0.55 * step(0.4, 0.6, hair));
+  const double lower = 0.6 * step(1.4, 0.2, over) * step(0.5, 0.7, hair);
+  return static_cast<float>(person_.lashes * std::max(upper, lower));
 }
 
 glm::vec3 Eye::irisAt(double x, double y) const {
@@ -138,6 +157,8 @@ glm::vec3 Eye::seenAlong(const glm::dvec3& origin, const glm::dvec3& direction,
   white =
       glm::mix(white, glm::mix(person_.skin, glm::vec3(0.32f, 0.15f, 0.13f), 0.5f),
                static_cast<float>(std::max(step(9.5, 12.0, nasal), 0.5 * step(9.0, 12.0, -nasal))));
+  const double aside = std::abs(hit.x - centre_.x);
+  white *= static_cast<float>(1.0 - 0.8 * person_.shade * step(4.5, 11.0, aside));
   const glm::dvec3 outwards = (hit - centre_) / kEyeball_mm;
   glm::vec3 colour = white * lit(outwards, 0.6f);
   glm::vec3 glint = 0.4f * mirrored(outwards);
@@ -163,7 +184,8 @@ glm::vec3 Eye::seenAlong(const glm::dvec3& origin, const glm::dvec3& direction,
   // The upper eyelid and its lashes throw a shadow.
   double shadow = 1.0;
   if (const auto lids = lidsAt(hit.x)) {
-    shadow = 0.35 + 0.65 * step(-0.3, 4.2, hit.y - lids->upper);
+    const double dark = 0.35 - 0.25 * person_.shade, deep = 4.2 + 3.0 * person_.shade;
+    shadow = dark + (1.0 - dark) * step(-0.3, deep, hit.y - lids->upper);
     colour += 0.10f * static_cast<float>(step(0.8, 0.2, lids->lower - hit.y));  // tears
   }
   return colour * static_cast<float>(shadow) + glint * static_cast<float>(step(0.0, 1.2, shadow));

@@ -23,6 +23,8 @@ class Eye {
   bool isOpenAt(double x, double y) const;
   /// How much of a point outside the opening is covered by lashes, 0 to 1.
   float lashesAt(double x, double y) const;
+  /// How much of a point in the opening lashes cover, 0 to 1.
+  float lashesOver(double x, double y) const;
   /// Light along a ray through the opening.
   /// @param ambient  share of the light that comes from everywhere
   glm::vec3 seenAlong(const glm::dvec3& origin, const glm::dvec3& direction,

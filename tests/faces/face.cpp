@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
@@ -37,6 +38,8 @@ glm::vec3 background(double u, double v, std::uint32_t seed) {
   return colour;
 }
 
+}  // namespace
+
 struct Scene {
   const Person& person;
   const Relief& relief;
@@ -45,6 +48,8 @@ struct Scene {
   glm::dmat3 camera_from_head;
   std::array<Eye, 2> eyes;
   glm::vec3 towards_light;  // head frame
+  Photography alone{};      // of `beside`
+  std::unique_ptr<Scene> beside{};
 
   Scene(const Person& p, const Relief& r, const Moment& m, const Photography& h)
       : person(p),
@@ -55,6 +60,11 @@ struct Scene {
         eyes{Eye(p, m, 1), Eye(p, m, -1)} {
     const glm::dvec3 light(std::sin(h.light_yaw_rad), -0.55, -std::cos(h.light_yaw_rad));
     towards_light = glm::vec3(glm::transpose(camera_from_head) * glm::normalize(light));
+    if (!how.beside) return;
+    alone = how;
+    alone.beside = nullptr;
+    beside =
+        std::make_unique<Scene>(how.beside->person_, how.beside->relief_, how.beside_at, alone);
   }
 
   glm::dvec2 project(const glm::dvec3& p_head_mm) const {
@@ -65,7 +75,10 @@ struct Scene {
   glm::vec3 skinAt(const glm::dvec3& p, const glm::dvec3& origin, const glm::dvec3& d) const {
     const auto ambient = static_cast<float>(how.ambient);
     const Eye& eye = eyes[p.x > 0.0 ? 0 : 1];
-    if (eye.isOpenAt(p.x, p.y)) return eye.seenAlong(origin, d, towards_light, ambient);
+    if (eye.isOpenAt(p.x, p.y)) {
+      const glm::vec3 seen = eye.seenAlong(origin, d, towards_light, ambient);
+      return glm::mix(seen, person.hair * 0.4f, eye.lashesOver(p.x, p.y));
+    }
     const glm::vec3 skin = relief.colourAt(p.x, p.y, towards_light, ambient);
     return glm::mix(skin, person.hair * 0.4f, std::min(0.9f, eye.lashesAt(p.x, p.y)));
   }
@@ -82,9 +95,8 @@ struct Scene {
     const double side = p.x > 0.0 ? 1.0 : -1.0;
     const glm::dvec3 normal =
         glm::normalize(glm::dvec3(side * lens.x / kLensCurve_mm, lens.y / kLensCurve_mm, -1.0));
-    constexpr float kMirrored = 0.06f;  // reflectance of both faces of a partly coated lens
-    return behind * (1.0f - kMirrored) +
-           kMirrored * roomLight(camera_from_head * glm::reflect(d, normal));
+    return behind * (1.0f - person.mirrored) +
+           person.mirrored * roomLight(camera_from_head * glm::reflect(d, normal));
   }
 
   glm::vec3 colourAlong(const glm::dvec2& px) const {
@@ -100,7 +112,7 @@ struct Scene {
     const glm::dvec2 chest = (px - project({0.0, 120.0, 60.0})) / how.focal_px * moment.head_m.z;
     const double outward = std::max(0.0, std::abs(chest.x) - 0.05);
     const double shoulder = 0.02 + 1.2 * outward * std::sqrt(outward);
-    glm::vec3 behind = background(plane.x, plane.y, person.seed);
+    glm::vec3 behind = beside ? beside->colourAlong(px) : background(plane.x, plane.y, person.seed);
     if (std::abs(chest.x) < 0.055 && chest.y > -0.08) behind = person.skin * 0.45f;
     if (chest.y > shoulder + 0.02 && std::abs(chest.x) < 0.21) {
       behind = glm::vec3(0.10f, 0.13f, 0.2f) *
@@ -110,6 +122,8 @@ struct Scene {
     return behind;
   }
 };
+
+namespace {
 
 void expose(const Scene& scene, cv::Mat3f& film) {
   const glm::ivec2 size = scene.how.size_px;

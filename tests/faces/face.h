@@ -28,6 +28,8 @@ struct Moment {
   double closed = 0.0;               ///< 0: open, 1: shut
 };
 
+class Face;
+
 struct Photography {
   glm::ivec2 size_px{640, 480};
   double focal_px = 560.0;      ///< the principal point is the image's centre
@@ -37,6 +39,8 @@ struct Photography {
   double light_yaw_rad = -0.6;  ///< direction of the main light; 0: from the camera
   double ambient = 0.55;        ///< share of the light that comes from everywhere
   std::uint32_t seed = 1;
+  const Face* beside = nullptr;  ///< a second face, behind the first
+  Moment beside_at{};
 };
 
 /// Index 0 is the observer's left eye, at the image's right. Pixels, pixel centres at +0.5.
@@ -62,6 +66,7 @@ class Face {
   Truth truthOf(const Moment& moment, const Photography& how) const;
 
  private:
+  friend struct Scene;
   Person person_;
   Relief relief_;
 };

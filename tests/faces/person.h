@@ -16,7 +16,12 @@ struct Person {
   double face_width_mm = 150.0;
   double pupil_mm = 4.0;           ///< diameter
   glm::dvec2 kappa_deg{5.0, 1.5};  ///< from the eye's axis to the line of sight: nasal, upwards
+  double lids = 1.0;               ///< opening of the lids, over the usual one
+  double lashes = 0.0;             ///< how much the lashes hang over the eye, 0 to 1
+  double shade = 0.0;              ///< of the white under the lid and in the corners, 0 to 1
+  bool made_up = false;            ///< dark lines and shadows around the eyes
   bool glasses = false;
+  float mirrored = 0.06f;  ///< reflectance of both faces of a lens, here partly coated
   bool beard = false;
   std::uint32_t seed = 1;  ///< of the texture of skin, brows and irises
 };

@@ -143,6 +143,55 @@ TEST(NetworkTracker, FindsTheSameHeadAgain) {
   }
 }
 
+TEST(NetworkTracker, FindsAFaceThatJumps) {
+  SKIP_WITHOUT_MODELS();
+  // By up to half a face, as in a film with few frames. The mesh would stay behind, on hair.
+  const faces::Face face(faces::somebody(0));
+  NetworkTracker tracker = trackerOf();
+  int right = 0, all = 0;
+  for (int i = 0; i < 12; ++i) {
+    const faces::Moment moment{.head_m = {0.05 * (i * 7 % 5 - 2), 0.04 * (i * 5 % 4 - 1), 0.6}};
+    const cv::Mat image = face.photograph(moment, faces::Photography{});
+    const WebcamRecord record = tracker.push(image);
+    const faces::Truth truth = face.truthOf(moment, faces::Photography{});
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      ++all;
+      right +=
+          record.irises[eye] && glm::distance(record.irises[eye]->centre_px, truth.iris_px[eye]) <
+                                    truth.iris_radius_px[eye] / 2;
+    }
+  }
+  EXPECT_EQ(right, all);
+}
+
+TEST(NetworkTracker, SaysWhatStandsInTheWay) {
+  SKIP_WITHOUT_MODELS();
+  const faces::Face face(faces::somebody(0)), other(faces::somebody(4));
+  const auto problemOf = [&](const faces::Moment& moment, const faces::Photography& how,
+                             const auto& paint) {
+    NetworkTracker tracker = trackerOf();
+    cv::Mat image = face.photograph(moment, how);
+    tracker.push(image);
+    paint(image, face.truthOf(moment, how));
+    return tracker.push(image).problem;
+  };
+  const auto leave = [](cv::Mat&, const faces::Truth&) {};
+  const auto disk = [](double radii, double level) {
+    return [=](cv::Mat& image, const faces::Truth& truth) {
+      cv::circle(image, cv::Point(cv::Point2d(truth.iris_px[0].x, truth.iris_px[0].y)),
+                 static_cast<int>(radii * truth.iris_radius_px[0]), cv::Scalar::all(level),
+                 cv::FILLED);
+    };
+  };
+  const faces::Moment near{.head_m = {0.0, 0.0, 0.5}}, far{.head_m = {0.0, 0.0, 1.1}};
+  EXPECT_EQ(problemOf(near, {}, leave), WebcamProblem::none);
+  EXPECT_EQ(problemOf(far, {}, leave), WebcamProblem::too_far);
+  EXPECT_EQ(problemOf(near, {}, disk(0.6, 255.0)), WebcamProblem::glints);
+  EXPECT_EQ(problemOf(near, {}, disk(3.0, 110.0)), WebcamProblem::one_eye_hidden);
+  const faces::Photography two{.beside = &other, .beside_at = {.head_m = {-0.22, 0.0, 0.75}}};
+  EXPECT_EQ(problemOf(near, two, leave), WebcamProblem::several_faces);
+}
+
 TEST(NetworkTracker, SeesNoFaceInNoise) {
   SKIP_WITHOUT_MODELS();
   cv::Mat noise(480, 640, CV_8UC3), dark(480, 640, CV_8UC3, cv::Scalar::all(9));

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <string>
 #include <vector>
 
@@ -153,6 +155,91 @@ TEST(WebcamFrames, AVideoOfVaryingRateHasTheTimesOfItsStamps) {
     EXPECT_EQ(grey.rows, 160);
   }
   EXPECT_FALSE(frames.nextTime_s());
+  std::filesystem::remove(file);
+}
+
+/// Numbered images of 160 x 120 px, written as they are given.
+class Numbered {
+ public:
+  Numbered(const std::string& extension, const std::vector<cv::Mat>& images)
+      : folder_(std::filesystem::temp_directory_path() /
+                ("foci_numbered_" + std::to_string(getpid()))),
+        extension_(extension) {
+    std::filesystem::create_directories(folder_);
+    for (std::size_t i = 0; i < images.size(); ++i) cv::imwrite(file(i).string(), images[i]);
+  }
+  ~Numbered() { std::filesystem::remove_all(folder_); }
+  Numbered(const Numbered&) = delete;
+  Numbered& operator=(const Numbered&) = delete;
+  std::filesystem::path file(std::size_t i) const {
+    return folder_ / ("a" + std::to_string(i + 1) + extension_);
+  }
+  WebcamPlace pattern() const { return {.file = folder_ / ("a%d" + extension_)}; }
+
+ private:
+  std::filesystem::path folder_;
+  std::string extension_;
+};
+
+TEST(WebcamFrames, DepthAndTransparencyDoNotChangeAPicture) {
+  cv::Mat plain(120, 160, CV_8UC3, cv::Scalar(40, 90, 200)), deep, clear;
+  plain.convertTo(deep, CV_16U, 257.0);
+  cv::cvtColor(plain, clear, cv::COLOR_BGR2BGRA);
+  clear.forEach<cv::Vec4b>([](cv::Vec4b& px, const int*) { px[3] = 0; });
+  const Numbered images(".png", {plain, deep, clear});
+  for (const WebcamPlace& place : {images.pattern(), WebcamPlace{.file = images.file(1)},
+                                   WebcamPlace{.file = images.file(2)}}) {
+    WebcamFrames frames(place);
+    EXPECT_EQ(frames.isPicture(), place.file != images.pattern().file);
+    cv::Mat image;
+    int count = 0;
+    while (frames.next(image)) {
+      ++count;
+      ASSERT_EQ(image.type(), CV_8UC3);
+      EXPECT_EQ(cv::norm(image, plain, cv::NORM_INF), 0.0);
+    }
+    EXPECT_EQ(count, frames.isPicture() ? 1 : 3);
+  }
+}
+
+TEST(WebcamFrames, RefusesImagesThatAreCutOffOrNotWhole) {
+  cv::Mat noise(120, 160, CV_8UC3), reals(120, 160, CV_32FC3, cv::Scalar::all(0.5));
+  cv::RNG(1).fill(noise, cv::RNG::UNIFORM, 0, 255);
+  for (const char* extension : {".png", ".jpg", ".bmp", ".tiff"}) {
+    const Numbered images(extension, {noise, noise, noise});
+    cv::Mat image;
+    WebcamFrames whole(images.pattern());
+    while (whole.next(image)) continue;
+    std::filesystem::resize_file(images.file(1), std::filesystem::file_size(images.file(1)) / 2);
+    WebcamFrames frames(images.pattern());
+    EXPECT_TRUE(frames.next(image));
+    EXPECT_THROW(frames.next(image), InputError) << extension;
+    EXPECT_THROW(WebcamFrames({.file = images.file(1)}).next(image), InputError) << extension;
+  }
+  const Numbered real(".tiff", {reals});
+  cv::Mat image;
+  EXPECT_THROW(WebcamFrames(real.pattern()).next(image), InputError);
+}
+
+TEST(WebcamFrames, SaysThatAVideoIsCutOff) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("foci_cut_" + std::to_string(getpid()) + ".avi");
+  {
+    cv::VideoWriter video(file.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25.0,
+                          {160, 120});
+    cv::Mat noise(120, 160, CV_8UC3);
+    cv::RNG(1).fill(noise, cv::RNG::UNIFORM, 0, 255);
+    for (int i = 0; i < 40; ++i) video.write(noise);
+  }
+  const auto remark = [&] {
+    WebcamFrames frames({.file = file});
+    cv::Mat image;
+    while (frames.next(image)) continue;
+    return frames.remark();
+  };
+  EXPECT_EQ(remark(), "");
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  EXPECT_NE(remark().find("of the 40 frames"), std::string::npos) << remark();
   std::filesystem::remove(file);
 }
 
