@@ -16,7 +16,7 @@ namespace {
 constexpr double kMinMeshScore = 0.5;
 constexpr double kMaxTurn = 0.64;      // cosine of 50 degrees: beyond, an eye is hidden
 constexpr int kCountEvery = 30;        // frames, to count the faces while one is followed
-constexpr double kMoved = 0.08;        // of a crop's side, and radians
+constexpr double kMoved = 0.03;        // `motion` that makes a mesh less exact
 constexpr int kSeekEvery = 6;          // frames, to seek a face that shows its eyes
 constexpr double kSameFace = 0.5;      // between the middles of the eyes, over the face's side
 constexpr int kPatience = 12;          // frames without eyes, longer than a blink
@@ -49,10 +49,12 @@ glm::dvec2 middleOfEyes_px(const FaceMesh& mesh) {
   return 0.25 * sum;
 }
 
-bool hasMoved(const Crop& from, const Crop& to) {
-  return glm::distance(from.centre_px, to.centre_px) > kMoved * from.side_px ||
-         std::abs(to.side_px / from.side_px - 1.0) > kMoved ||
-         std::abs(std::remainder(to.angle_rad - from.angle_rad, 2.0 * std::numbers::pi)) > kMoved;
+/// How far a face moved, in sides of its crop, or turned, in radians; the largest of these.
+double motion(const Crop& from, const Crop& to) {
+  return std::max(
+      {glm::distance(from.centre_px, to.centre_px) / from.side_px,
+       std::abs(to.side_px / from.side_px - 1.0),
+       std::abs(std::remainder(to.angle_rad - from.angle_rad, 2.0 * std::numbers::pi))});
 }
 
 /// Whether light saturates a good part of the iris.
@@ -264,9 +266,13 @@ WebcamRecord NetworkTracker::read(const cv::Mat& image) {
 WebcamRecord NetworkTracker::push(const cv::Mat& image) {
   bool jumped = false;
   if (mesh_) {
-    const Crop crop = mesh_->crop();
-    mesh_ = networks_.mesh(image, crop);
-    jumped = hasMoved(crop, mesh_->crop());
+    // Where the face moved, the mesh is exact in its new crop only. If it does not come to rest
+    // there, it may have lost the face.
+    for (int run = 0; run == 0 || (run == 1 && jumped); ++run) {
+      const Crop crop = mesh_->crop();
+      mesh_ = networks_.mesh(image, crop);
+      jumped = motion(crop, mesh_->crop()) > kMoved;
+    }
     if (!accept(image, *mesh_)) mesh_.reset();
   }
   ++frames_since_search_;
@@ -278,7 +284,7 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
     // The eyes shut, or the face jumped out of a crop in which the network still sees one.
     const Crop crop = mesh_->crop();
     search(image, true);
-    if (hasMoved(crop, mesh_->crop())) record = read(image);
+    if (motion(crop, mesh_->crop()) > kMoved) record = read(image);
   }
   shows_both_ = showsBoth();
   if (!mesh_) return record;

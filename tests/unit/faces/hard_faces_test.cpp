@@ -81,7 +81,7 @@ TEST(HardFaces, TheNetworksGetMore) {
   }
   const Count count =
       countIrises([] { return NetworkTracker(*FaceNetworks::load(), kCamera, {}); }, true);
-  EXPECT_GE(count.right, 0.7 * count.all);
+  EXPECT_GE(count.right, 0.65 * count.all);
   EXPECT_LE(count.wrong, 0.04 * count.all) << "no iris is better than a wrong one";
 }
 
