@@ -341,7 +341,7 @@ def webcam(args):
               [[key.removeprefix("hard_").replace("_", " ")] + [f"{right} / {wrong} / {count}" for right, wrong, count in
                                                                 (case[key].split() for case in (cascades, networks))]
                for key in hard] + [["all"] + [" / ".join(str(n) for n in total[i:i + 3]) for i in (0, 3)]]),
-        "**Gaze in degrees**, on three of these rendered people, after a calibration on nine targets: mean error on four other "
+        "**Gaze in degrees**, on two of these rendered people, after a calibration on nine targets: mean error on four other "
         "targets, across and down. Beside it stand the same map on the true irises, and the middle of the calibrated targets as "
         "a guess. The errors are those of rendered faces: recordings of real faces with known gaze were not to be had.",
         table(["condition", "gaze found, %", "error", "on true irises", "middle as guess"],

@@ -24,7 +24,7 @@ constexpr int kMaxDevices = 64;
 cv::Mat readImage(const std::filesystem::path& file) {
   requireRegularFile(file);
   requireWholeImage(file);
-  const cv::Mat read = cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
+  cv::Mat read = cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
   if (read.empty()) throw InputError(file.string(), "no image that can be read");
   if (read.depth() == CV_8U) return read;
   if (read.depth() != CV_16U) {
