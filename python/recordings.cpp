@@ -1,11 +1,12 @@
 // Recordings and their events.
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/events/gaze_events.h"
-#include "gaze/events/online_events.h"
+#include "gaze/events/event_labels.h"
+#include "gaze/events/recording_quality.h"
 #include "gaze/geometry/default_screen.h"
 #include "gaze/sources/trace_reader.h"
 #include "gaze/sources/trace_summary.h"
@@ -19,7 +20,7 @@ namespace {
 struct EventRow {
   Word kind{};
   double onset_s = 0.0, duration_s = 0.0, x_px = kNaN, y_px = kNaN, start_x_px = kNaN,
-         start_y_px = kNaN, amplitude_deg = kNaN, peak_velocity_deg_s = kNaN;
+         start_y_px = kNaN, amplitude_deg = kNaN, peak_velocity_deg_s = kNaN, probability = kNaN;
 };
 
 EventRow rowOf(const GazeEvent& event) {
@@ -33,50 +34,108 @@ EventRow rowOf(const GazeEvent& event) {
     row.start_x_px = event.start_px->x;
     row.start_y_px = event.start_px->y;
   }
-  if (event.kind == GazeState::saccade) {
-    row.amplitude_deg = event.amplitude_deg;
-    row.peak_velocity_deg_s = event.peak_velocity_deg_s;
-  }
+  row.amplitude_deg = orNaN(event.amplitude_deg);
+  row.peak_velocity_deg_s = orNaN(event.peak_velocity_deg_s);
+  row.probability = orNaN(event.probability);
   return row;
 }
 
-std::vector<GazeState> labelsOf(const GazeTrace& trace, const EventSettings& settings,
-                                bool online) {
-  return online ? labelSamplesOnline(trace, *trace.screen, settings)
-                : labelSamples(trace, *trace.screen, settings);
+/// The keywords of the event detection.
+struct EventOptions {
+  EventSettings settings{};
+  bool online = false;
+};
+
+EventOptions eventOptions(const py::kwargs& keywords) {
+  EventOptions options;
+  EventSettings& settings = options.settings;
+  for (const auto& [key, value] : keywords) {
+    const auto name = py::cast<std::string>(key);
+    // The ranges are those of the study's keys.
+    if (name == "online") {
+      options.online = py::cast<bool>(value);
+    } else if (name == "detector") {
+      const auto word = py::cast<std::string>(value);
+      const auto found = std::find_if(kDetectors.begin(), kDetectors.end(),
+                                      [&](Detector each) { return word == nameOf(each); });
+      if (found == kDetectors.end()) {
+        throw InputError("detector", shown(word) + ": expected trained, rules, ivt or idt");
+      }
+      settings.detector = *found;
+    } else if (name == "pursuit") {
+      settings.pursuit = py::cast<std::optional<bool>>(value);
+    } else if (name == "saccade_deg_s") {
+      settings.saccade_deg_s = inRange(name.c_str(), py::cast<double>(value), 1.0, 1000.0);
+    } else if (name == "min_fixation_s") {
+      settings.min_fixation_s = inRange(name.c_str(), py::cast<double>(value), 0.0, 10.0);
+    } else if (name == "max_blink_s") {
+      settings.max_blink_s = inRange(name.c_str(), py::cast<double>(value), 0.0, 10.0);
+    } else if (name == "delay_s") {
+      settings.delay_s = inRange(name.c_str(), py::cast<double>(value), 0.0, 0.2);
+    } else {
+      throw py::type_error("unexpected keyword " + name);
+    }
+  }
+  return options;
 }
 
-py::array eventTable(const GazeTrace& trace, const EventSettings& settings, bool online) {
+py::array eventTable(const GazeTrace& trace, const EventOptions& options) {
   std::vector<EventRow> rows;
   {
     const py::gil_scoped_release released;
-    const std::vector<GazeState> labels = labelsOf(trace, settings, online);
-    for (const GazeEvent& event : eventsOf(labels, trace, *trace.screen, settings)) {
+    const EventLabels labels = labelEvents(trace, *trace.screen, options.settings, options.online);
+    for (const GazeEvent& event : eventsOf(labels, trace, *trace.screen, options.settings)) {
       rows.push_back(rowOf(event));
     }
   }
   return tableOfRows(rows, {"*kind", "onset_s", "duration_s", "x_px", "y_px", "start_x_px",
-                            "start_y_px", "amplitude_deg", "peak_velocity_deg_s"});
+                            "start_y_px", "amplitude_deg", "peak_velocity_deg_s", "probability"});
 }
 
-py::array labelColumn(const GazeTrace& trace, const EventSettings& settings, bool online) {
+py::array labelColumn(const GazeTrace& trace, const EventOptions& options) {
   std::vector<Word> words;
   {
     const py::gil_scoped_release released;
-    for (const GazeState state : labelsOf(trace, settings, online)) {
+    for (const GazeState state :
+         labelEvents(trace, *trace.screen, options.settings, options.online).states) {
       words.push_back(wordOf(nameOf(state)));
     }
   }
   return {py::dtype("U8"), static_cast<py::ssize_t>(words.size()), words.data()};
 }
 
-EventSettings eventSettings(double saccade_deg_s, double min_fixation_s, double max_blink_s,
-                            double delay_s) {
-  // The ranges are those of the study's keys.
-  return {.saccade_deg_s = inRange("saccade_deg_s", saccade_deg_s, 1.0, 1000.0),
-          .delay_s = inRange("delay_s", delay_s, 0.0, 0.2),
-          .max_blink_s = inRange("max_blink_s", max_blink_s, 0.0, 10.0),
-          .min_fixation_s = inRange("min_fixation_s", min_fixation_s, 0.0, 10.0)};
+/// The fields of `RecordingQuality`, and the warnings.
+py::dict qualityDict(const GazeTrace& trace, const EventOptions& options) {
+  RecordingQuality quality;
+  std::vector<std::string> warnings;
+  {
+    const py::gil_scoped_release released;
+    const EventLabels labels = labelEvents(trace, *trace.screen, options.settings, options.online);
+    quality = qualityOf(trace, *trace.screen, labels.states,
+                        eventsOf(labels, trace, *trace.screen, options.settings));
+    warnings = labels.warnings;
+    const auto of_range = rangeWarnings(quality, options.settings);
+    warnings.insert(warnings.end(), of_range.begin(), of_range.end());
+  }
+  py::dict dict;
+  dict["rate_Hz"] = quality.rate_Hz;
+  dict["jitter_s"] = quality.jitter_s;
+  dict["lost"] = quality.lost;
+  dict["longest_gap_s"] = quality.longest_gap_s;
+  dict["rms_s2s_deg"] = quality.rms_s2s_deg;
+  dict["sd_deg"] = quality.sd_deg;
+  dict["unjudged"] = quality.unjudged;
+  dict["main_sequence"] = py::none();
+  if (const auto& fit = quality.main_sequence) {
+    py::dict main_sequence;
+    main_sequence["saccades"] = fit->saccades;
+    main_sequence["at_1_deg_deg_s"] = fit->at_1_deg_deg_s;
+    main_sequence["exponent"] = fit->exponent;
+    dict["main_sequence"] = main_sequence;
+  }
+  dict["detector"] = labelOf(options.settings.detector);
+  dict["warnings"] = warnings;
+  return dict;
 }
 
 Recording recordingOf(const Numbers& t, const Numbers& x, const Numbers& y,
@@ -146,12 +205,6 @@ SampleColumns columnsOf(const Numbers& t, const Numbers& x, const Numbers& y,
 }
 
 void bindRecordings(py::module_& module) {
-  const EventSettings usual;
-  const auto saccade = py::arg("saccade_deg_s") = usual.saccade_deg_s;
-  const auto fixation = py::arg("min_fixation_s") = usual.min_fixation_s;
-  const auto blink = py::arg("max_blink_s") = usual.max_blink_s;
-  const auto delay = py::arg("delay_s") = usual.delay_s;
-
   py::class_<GazeTrace, std::shared_ptr<GazeTrace>>(
       module, "Recording", "Gaze samples on a screen. Times increase; NaN stands for data loss.")
       .def_static("open", &openRecording, py::arg("path"), py::arg("screen") = py::none(),
@@ -198,23 +251,24 @@ void bindRecordings(py::module_& module) {
              return std::string(py::str("<foci.Recording of {} samples, {:.0f} Hz, {}>")
                                     .format(r.samples.size(), r.rate_Hz, r.format));
            })
-      .def(
-          "_events",
-          [](const GazeTrace& r, bool online, double saccade_deg_s, double min_fixation_s,
-             double max_blink_s, double delay_s) {
-            return eventTable(r, eventSettings(saccade_deg_s, min_fixation_s, max_blink_s, delay_s),
-                              online);
-          },
-          py::kw_only(), py::arg("online") = false, saccade, fixation, blink, delay)
+      .def("_events",
+           [](const GazeTrace& r, const py::kwargs& keywords) {
+             return eventTable(r, eventOptions(keywords));
+           })
       .def(
           "labels",
-          [](const GazeTrace& r, bool online, double saccade_deg_s, double min_fixation_s,
-             double max_blink_s, double delay_s) {
-            return labelColumn(
-                r, eventSettings(saccade_deg_s, min_fixation_s, max_blink_s, delay_s), online);
+          [](const GazeTrace& r, const py::kwargs& keywords) {
+            return labelColumn(r, eventOptions(keywords));
           },
-          py::kw_only(), py::arg("online") = false, saccade, fixation, blink, delay,
-          "The state of each sample, (N,) words: fixation, saccade, pso, pursuit, blink, lost.");
+          "The state of each sample, (N,) words: fixation, saccade, pso, pursuit, blink, lost, "
+          "unjudged. Keywords as events().")
+      .def(
+          "quality",
+          [](const GazeTrace& r, const py::kwargs& keywords) {
+            return qualityDict(r, eventOptions(keywords));
+          },
+          "Noise, data loss, jitter, share unjudged, main sequence and warnings. Keywords as "
+          "events().");
 }
 
 }  // namespace foci

@@ -10,12 +10,15 @@
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
+#include "app/record/quality_json.h"
 #include "app/record/tables.h"
+#include "app/study/study_words.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/events/agreement.h"
-#include "gaze/events/gaze_events.h"
+#include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
+#include "gaze/events/recording_quality.h"
 #include "gaze/sources/bids_writer.h"
 #include "gaze/sources/labelled.h"
 #include "gaze/sources/trace_reader.h"
@@ -24,26 +27,35 @@ namespace foci {
 namespace {
 
 constexpr GazeState kStates[] = {GazeState::fixation, GazeState::saccade, GazeState::oscillation,
-                                 GazeState::pursuit,  GazeState::blink,   GazeState::lost};
+                                 GazeState::pursuit,  GazeState::blink,   GazeState::lost,
+                                 GazeState::unjudged};
 
 struct EventsOptions : TraceOptions {
   std::vector<std::string> traces{};
   std::string out{}, samples{}, physioevents{};
-  bool online = false, score = false, json = false, overwrite = false;
+  std::string detector{};
+  std::optional<bool> pursuit{};
+  bool online = false, score = false, compare = false, json = false, overwrite = false;
 };
 
-std::vector<GazeState> labelsOf(const GazeTrace& trace, const EventSettings& settings,
-                                bool online) {
-  return online ? labelSamplesOnline(trace, *trace.screen, settings)
-                : labelSamples(trace, *trace.screen, settings);
-}
-
-std::string sampleTable(const GazeTrace& trace, const std::vector<GazeState>& states) {
-  constexpr int kDigits = 6;
-  std::string table = "time_s\tlabel\n";
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    table +=
-        decimal(trace.samples[i].time_s, kDigits) + '\t' + std::string(nameOf(states[i])) + '\n';
+/// Time and label of each sample, the probability of each label, and the detector.
+std::string sampleTable(const GazeTrace& trace, const EventLabels& labels, Detector detector) {
+  constexpr int kDigits = 6, kProbabilityDigits = 4;
+  const std::string end = '\t' + labelOf(detector) + '\n';
+  std::string table = "time_s\tlabel";
+  for (const GazeState state : kStates) table += "\tp_" + std::string(nameOf(state));
+  table += "\tdetector\n";
+  for (std::size_t i = 0; i < labels.states.size(); ++i) {
+    table += decimal(trace.samples[i].time_s, kDigits) + '\t';
+    table += nameOf(labels.states[i]);
+    for (const GazeState state : kStates) {
+      table += '\t';
+      table += labels.probabilities.empty()
+                   ? "n/a"
+                   : decimal(labels.probabilities[i][static_cast<std::size_t>(state)],
+                             kProbabilityDigits);
+    }
+    table += end;
   }
   return table;
 }
@@ -74,7 +86,7 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
       {"OnsetSource", "timestamp"},
       {"trial_type",
        {{"Description",
-         "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost"}}}};
+         "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost, unjudged"}}}};
   files.write(file, [&](const auto& path) { writePacked(path, table); });
   files.write(sidecarOf(file), jsonText(sidecar, 2) + '\n');
 }
@@ -113,6 +125,12 @@ TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
   if (description.columns.mapped_later) {
     throw InputError(options.study, "gaze.map: foci events applies no gaze map; expected none");
   }
+  if (!options.detector.empty()) {
+    for (const Detector detector : kDetectors) {
+      if (options.detector == nameOf(detector)) description.events.detector = detector;
+    }
+  }
+  if (options.pursuit) description.events.pursuit = options.pursuit;
   return description;
 }
 
@@ -124,32 +142,53 @@ Warnings warningsOf(const std::string& file, const GazeTrace& trace) {
   return warnings;
 }
 
+InputError nothingJudged(const std::string& file, const EventLabels& labels) {
+  std::string reasons;
+  for (const std::string& warning : labels.warnings) {
+    reasons += (reasons.empty() ? "" : "; ") + warning;
+  }
+  return {file, "no sample can be judged: " + (reasons.empty() ? "all gaze is lost" : reasons)};
+}
+
 void detectEvents(const EventsOptions& options) {
   OutputFiles files(guardOf(options));
   const TraceDescription description = unmappedDescriptionOf(options);
   const GazeTrace trace = readTrace(options.traces[0], description.columns, description.screen);
   requireWholeScreen(*trace.screen, options.traces[0]);
-  const Warnings warnings = warningsOf(options.traces[0], trace);
-  const auto states = labelsOf(trace, description.events, options.online);
-  const auto events = eventsOf(states, trace, *trace.screen, description.events);
-  if (!options.out.empty()) files.write(options.out, eventTable(events));
-  if (!options.samples.empty()) files.write(options.samples, sampleTable(trace, states));
+  Warnings warnings = warningsOf(options.traces[0], trace);
+  const EventSettings& settings = description.events;
+  const EventLabels labels = labelEvents(trace, *trace.screen, settings, options.online);
+  const auto events = eventsOf(labels, trace, *trace.screen, settings);
+  const RecordingQuality quality = qualityOf(trace, *trace.screen, labels.states, events);
+  if (!labels.any_judged) throw nothingJudged(options.traces[0], labels);
+  for (const std::string& warning : eventWarnings(trace, labels, quality, settings)) {
+    warnings.add(options.traces[0], warning);
+  }
+  if (!options.out.empty()) files.write(options.out, eventTable(events, settings.detector));
+  if (!options.samples.empty()) {
+    files.write(options.samples, sampleTable(trace, labels, settings.detector));
+  }
   if (!options.physioevents.empty()) writePhysioevents(options.physioevents, events, files);
   files.commit();
 
   const double delay_s =
-      options.online ? OnlineEvents(*trace.screen, trace.rate_Hz, description.events).delay_s()
-                     : 0.0;
-  nlohmann::ordered_json summary = {{"format", trace.format},   {"rate_Hz", trace.rate_Hz},
-                                    {"samples", states.size()}, {"online", options.online},
-                                    {"delay_s", delay_s},       {"warnings", warnings.all()}};
-  const std::string text = countsOf(states, events, summary);
+      options.online ? OnlineEvents(*trace.screen, trace.rate_Hz, settings).delay_s() : 0.0;
+  nlohmann::ordered_json summary = {{"format", trace.format},
+                                    {"rate_Hz", trace.rate_Hz},
+                                    {"samples", labels.states.size()},
+                                    {"detector", nameOf(settings.detector)},
+                                    {"detector_version", versionOf(settings.detector)},
+                                    {"online", options.online},
+                                    {"delay_s", delay_s},
+                                    {"warnings", warnings.all()},
+                                    {"quality", toJson(quality)}};
+  const std::string text = countsOf(labels.states, events, summary) + qualityText(quality);
   if (options.json) {
     std::puts(jsonText(summary).c_str());
     return;
   }
-  std::printf("%s, %g Hz, %zu samples", visible(trace.format).c_str(), trace.rate_Hz,
-              states.size());
+  std::printf("%s, %g Hz, %zu samples, detector %s", visible(trace.format).c_str(), trace.rate_Hz,
+              labels.states.size(), labelOf(settings.detector).c_str());
   if (options.online) std::printf(", online with a delay of %g ms", 1e3 * delay_s);
   std::printf("\n%s", text.c_str());
 }
@@ -157,10 +196,11 @@ void detectEvents(const EventsOptions& options) {
 /// Agreement of every labeller with every other, over all recordings. The labellers are "foci" and
 /// the human coders.
 struct Scores {
-  static constexpr std::size_t kStable = 6;  // after the six states: fixation and pursuit in one
+  /// After the states: fixation and pursuit in one.
+  static constexpr std::size_t kStable = kGazeStates;
 
-  std::map<std::pair<std::string, std::string>, std::array<CohensKappa, 7>> kappas{};
-  std::map<std::string, std::array<double, 6>> counts{};
+  std::map<std::pair<std::string, std::string>, std::array<CohensKappa, kStable + 1>> kappas{};
+  std::map<std::string, std::array<double, kGazeStates>> counts{};
   double samples = 0.0;
 
   void compare(const std::string& a, const std::string& b, GazeState x, GazeState y) {
@@ -243,19 +283,57 @@ void scoreEvents(const EventsOptions& options) {
     const LabelledTrace labelled = readLabelledTrace(file, description.screen, description.columns);
     requireWholeScreen(*labelled.trace.screen, file);
     warnings.include(warningsOf(file, labelled.trace).all());
-    scores.add(labelled, labelsOf(labelled.trace, description.events, options.online));
+    scores.add(labelled, labelEvents(labelled.trace, *labelled.trace.screen, description.events,
+                                     options.online)
+                             .states);
   }
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
                                  {"samples", scores.samples},
+                                 {"detector", nameOf(description.events.detector)},
+                                 {"detector_version", versionOf(description.events.detector)},
                                  {"online", options.online},
                                  {"warnings", warnings.all()}};
   const std::string text = kappaTable(scores, json) + shareTable(scores, json);
   if (options.json) {
     std::puts(jsonText(json).c_str());
   } else {
-    std::printf("%zu recordings, %.0f samples, %s\n%s", options.traces.size(), scores.samples,
+    std::printf("%zu recordings, %.0f samples, detector %s, %s\n%s", options.traces.size(),
+                scores.samples, labelOf(description.events.detector).c_str(),
                 options.online ? "online" : "offline", text.c_str());
   }
+}
+
+/// Agreement of every detector with every other on the same recordings.
+void compareDetectors(const EventsOptions& options) {
+  TraceDescription description = unmappedDescriptionOf(options);
+  Scores scores;
+  Warnings warnings;
+  for (const std::string& file : options.traces) {
+    const GazeTrace trace = readTrace(file, description.columns, description.screen);
+    requireWholeScreen(*trace.screen, file);
+    warnings.include(warningsOf(file, trace).all());
+    scores.samples += static_cast<double>(trace.samples.size());
+    std::array<std::vector<GazeState>, kDetectors.size()> labels;
+    for (std::size_t d = 0; d < kDetectors.size(); ++d) {
+      description.events.detector = kDetectors[d];
+      labels[d] = labelEvents(trace, *trace.screen, description.events, options.online).states;
+    }
+    for (std::size_t a = 0; a < kDetectors.size(); ++a) {
+      for (std::size_t i = 0; i < labels[a].size(); ++i) {
+        ++scores.counts[labelOf(kDetectors[a])][static_cast<std::size_t>(labels[a][i])];
+        for (std::size_t b = a + 1; b < kDetectors.size(); ++b) {
+          scores.compare(labelOf(kDetectors[a]), labelOf(kDetectors[b]), labels[a][i],
+                         labels[b][i]);
+        }
+      }
+    }
+  }
+  nlohmann::ordered_json json = {{"recordings", options.traces.size()},
+                                 {"samples", scores.samples},
+                                 {"online", options.online},
+                                 {"warnings", warnings.all()}};
+  const std::string text = kappaTable(scores, json) + shareTable(scores, json);
+  std::printf("%s", options.json ? (jsonText(json) + '\n').c_str() : text.c_str());
 }
 
 }  // namespace
@@ -271,9 +349,20 @@ void addEventsCommand(CLI::App& app) {
                          "  pursuit   smooth pursuit: the eye follows a moving target\n"
                          "  blink     the lid is closed\n"
                          "  lost      data loss without a blink\n"
+                         "  unjudged  the signal does not tell\n"
                          "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
   EventsOptions& o = *options;
-  events->add_option("TRACE", o.traces, "gaze recording; several with --score")->required();
+  events->add_option("TRACE", o.traces, "gaze recording; several with --score, --compare-detectors")
+      ->required();
+  events
+      ->add_option("--detector", o.detector,
+                   "trained (default), rules, ivt or idt; overrides the study's gaze.detector")
+      ->check(CLI::IsMember({"trained", "rules", "ivt", "idt"}))
+      ->type_name("NAME");
+  events
+      ->add_option("--pursuit", o.pursuit,
+                   "false: pursuit counts as fixation; overrides the study's gaze.pursuit")
+      ->type_name("true|false");
   events->add_flag("--online", o.online, "use the online detector of foci live, which has a delay");
   events->add_option("--out", o.out, "table of the events")->type_name("FILE.tsv");
   events->add_option("--samples", o.samples, "table of the label of every sample")
@@ -284,16 +373,23 @@ void addEventsCommand(CLI::App& app) {
       ->type_name("FILE_physioevents.tsv.gz");
   events->add_flag("--score", o.score,
                    "agreement (Cohen's kappa) with the human coders in the columns coder_NAME");
+  events->add_flag("--compare-detectors", o.compare,
+                   "agreement (Cohen's kappa) of the detectors with each other");
   addTraceOptions(*events, o);
   addOverwriteFlag(*events, o.overwrite);
   events->add_flag("--json", o.json, "print the summary as JSON");
   events->callback([options, events] {
     refuseEmptyValues(*events);
-    if (!options->score && options->traces.size() > 1) {
-      throw InputError("TRACE: expected one recording, or --score");
+    if (!options->score && !options->compare && options->traces.size() > 1) {
+      throw InputError("TRACE: expected one recording, --score or --compare-detectors");
     }
-    withTraceHints(*options,
-                   [&] { options->score ? scoreEvents(*options) : detectEvents(*options); });
+    withTraceHints(*options, [&] {
+      if (options->compare) {
+        compareDetectors(*options);
+      } else {
+        options->score ? scoreEvents(*options) : detectEvents(*options);
+      }
+    });
   });
 }
 

@@ -20,7 +20,8 @@ GazeUnits unitsOf(const std::string& name) {
   if (name == "px") return GazeUnits::px;
   if (name == "deg") return GazeUnits::deg;
   if (name == "normalised") return GazeUnits::normalised;
-  throw InputError("--units " + name, "expected px, deg or normalised");
+  if (name == "relative") return GazeUnits::relative;
+  throw InputError("--units " + name, "expected px, deg, normalised or relative");
 }
 
 }  // namespace
@@ -33,7 +34,7 @@ void addTraceOptions(CLI::App& command, TraceOptions& o) {
   command.add_option("--y", o.columns.y, "name of the column of vertical positions (gaze.y)")
       ->type_name("NAME");
   command.add_option("--units", o.units, "unit of the positions (gaze.units)")
-      ->type_name("px|deg|normalised");
+      ->type_name("px|deg|normalised|relative");
   command.add_option("--rows", o.rows, "column and value of the rows to read (gaze.rows)")
       ->type_name("COLUMN=VALUE");
   command

@@ -270,11 +270,16 @@ void LiveRecord::finish() {
                       .frames_sha256 = {}};
   if (gaze_points_ > 0) {
     const GazeTrace trace = loadGaze(study, warnings_);
-    facts.gaze = factsOf(trace);
-    events = eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
+    RunEvents judged =
+        eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
+    for (const std::string& warning : judged.warnings) {
+      warnings_.add(study.gaze.source, warning);
+    }
+    facts.gaze = factsOf(trace, judged);
+    events = std::move(judged.events);
   }
   facts.warnings = warnings_.all();
-  writeText(folder_ / "events.tsv", eventTable(events));
+  writeText(folder_ / "events.tsv", eventTable(events, study.gaze.events.detector));
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
   facts.gaze.reception = reception_;
   facts.frames_sha256 = hash_.hex();

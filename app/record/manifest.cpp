@@ -5,6 +5,7 @@
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/version.h"
+#include "app/record/quality_json.h"
 #include "app/study/session_settings_of.h"
 
 namespace foci {
@@ -61,12 +62,13 @@ void addReception(const GazeReception& reception, Json& json) {
 
 std::string summaryJson(const RunSummary& summary) { return jsonText(toJson(summary)); }
 
-GazeFacts factsOf(const GazeTrace& trace) {
+GazeFacts factsOf(const GazeTrace& trace, const RunEvents& judged) {
   return {.format = trace.format,
           .simulated = trace.simulated,
           .rate_Hz = trace.rate_Hz,
           .samples = trace.samples.size(),
-          .assumed = trace.assumed};
+          .assumed = trace.assumed,
+          .quality = judged.quality};
 }
 
 std::string manifestJson(const Study& study, const RunSummary& summary,
@@ -101,7 +103,10 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
         {"simulated", facts.gaze.simulated},
         {"rate_Hz", facts.gaze.rate_Hz},
         {"samples", facts.gaze.samples},
-        {"assumed", facts.gaze.assumed}}},
+        {"assumed", facts.gaze.assumed},
+        {"detector", nameOf(study.gaze.events.detector)},
+        {"detector_version", versionOf(study.gaze.events.detector)},
+        {"quality", facts.gaze.quality ? toJson(*facts.gaze.quality) : Json(nullptr)}}},
       {"warnings", facts.warnings},
       {"seed", study.seed},
       {"threads", facts.threads},

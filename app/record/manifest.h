@@ -9,6 +9,7 @@
 
 #include "app/record/gaze_reception.h"
 #include "app/record/landing.h"
+#include "app/record/run_events.h"
 #include "app/record/run_summary.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
@@ -26,7 +27,8 @@ struct GazeFacts {
   bool simulated = false;
   double rate_Hz = 0.0;
   std::size_t samples = 0;
-  std::vector<std::string> assumed{};        ///< as `GazeTrace::assumed`
+  std::vector<std::string> assumed{};  ///< as `GazeTrace::assumed`
+  std::optional<RecordingQuality> quality{};
   std::optional<GazeReception> reception{};  ///< of a live run
 };
 
@@ -43,7 +45,7 @@ struct ManifestFacts {
 
 std::string manifestJson(const Study& study, const RunSummary& summary, const ManifestFacts& facts);
 
-GazeFacts factsOf(const GazeTrace& trace);
+GazeFacts factsOf(const GazeTrace& trace, const RunEvents& judged);
 
 /// How soon after saccades the frames of a live run had full quality.
 nlohmann::ordered_json landingsJson(const Landings& landings);

@@ -2,17 +2,23 @@
 
 #include <algorithm>
 
+#include "app/record/quality_json.h"
 #include "app/session/session.h"
 
 namespace foci {
 
-std::vector<GazeEvent> eventsOfRun(const Study& study, const GazeTrace& trace, double from_s,
-                                   double to_s) {
+RunEvents eventsOfRun(const Study& study, const GazeTrace& trace, double from_s, double to_s) {
   const Screen screen = study.screenInForce();
   const auto on_screen = [&](std::optional<glm::dvec2>& point_px) {
     if (point_px) point_px = onOtherScreen_px(*trace.screen, screen, *point_px);
   };
-  std::vector<GazeEvent> events = detectEvents(trace, *trace.screen, study.gaze.events);
+  const EventSettings& settings = study.gaze.events;
+  EventLabels labels = labelEvents(trace, *trace.screen, settings);
+  RunEvents run{.events = eventsOf(labels, trace, *trace.screen, settings)};
+  run.quality = qualityOf(trace, *trace.screen, labels.states, run.events);
+  run.warnings = eventWarnings(trace, labels, run.quality, settings);
+  run.states = std::move(labels.states);
+  std::vector<GazeEvent>& events = run.events;
   std::erase_if(events, [&](const GazeEvent& event) {
     return event.onset_s >= to_s || event.onset_s + event.duration_s <= from_s;
   });
@@ -20,7 +26,7 @@ std::vector<GazeEvent> eventsOfRun(const Study& study, const GazeTrace& trace, d
     on_screen(event.position_px);
     on_screen(event.start_px);
   }
-  return events;
+  return run;
 }
 
 std::size_t countOf(const std::vector<GazeEvent>& events, GazeState kind) {

@@ -69,17 +69,18 @@ void FrameTable::finish() {
   if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 
-std::string eventTable(const std::vector<GazeEvent>& events) {
+std::string eventTable(const std::vector<GazeEvent>& events, std::optional<Detector> detector) {
   std::string table =
       "event\tonset_s\tduration_s\tx_px\ty_px\tstart_x_px\tstart_y_px\tamplitude_deg\t"
-      "peak_velocity_deg_s\n";
+      "peak_velocity_deg_s";
+  table += detector ? "\tprobability\tdetector\n" : "\n";
   for (const GazeEvent& event : events) {
-    const bool saccade = event.kind == GazeState::saccade;
     table += std::string(nameOf(event.kind)) + '\t' + decimal(event.onset_s, kTimeDigits) + '\t' +
              decimal(event.duration_s, kTimeDigits) + '\t' + pointOrAbsent(event.position_px) +
-             '\t' + pointOrAbsent(event.start_px) + '\t' +
-             (saccade ? decimal(event.amplitude_deg, 3) : "n/a") + '\t' +
-             (saccade ? decimal(event.peak_velocity_deg_s, 1) : "n/a") + '\n';
+             '\t' + pointOrAbsent(event.start_px) + '\t' + orAbsent(event.amplitude_deg, 3) + '\t' +
+             orAbsent(event.peak_velocity_deg_s, 1);
+    if (detector) table += '\t' + orAbsent(event.probability, 3) + '\t' + labelOf(*detector);
+    table += '\n';
   }
   return table;
 }

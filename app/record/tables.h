@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/session/frame_record.h"
-#include "gaze/events/gaze_events.h"
+#include "gaze/events/event_labels.h"
 
 namespace foci {
 
@@ -27,7 +27,10 @@ class FrameTable {
   std::ofstream out_;
 };
 
-/// events.tsv. @param events  with points on the screen of the images, px
-std::string eventTable(const std::vector<GazeEvent>& events);
+/// events.tsv.
+/// @param events    with points on the screen of the images, px
+/// @param detector  adds the columns probability and detector
+std::string eventTable(const std::vector<GazeEvent>& events,
+                       std::optional<Detector> detector = std::nullopt);
 
 }  // namespace foci

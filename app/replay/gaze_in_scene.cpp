@@ -101,11 +101,9 @@ class Looker {
 };
 
 /// The samples of the replayed time, without what they meet; `source` gets their numbers.
-std::vector<SightSample> samplesOf(const Study& study, const ReplayedGaze& gaze,
+std::vector<SightSample> samplesOf(const ReplayedGaze& gaze, const std::vector<GazeState>& states,
                                    std::vector<std::size_t>& source) {
   const std::vector<GazeSample>& all = gaze.trace.samples;
-  const std::vector<GazeState> states =
-      labelSamples(gaze.trace, *gaze.trace.screen, study.gaze.events);
   const double most_s = gaze.trace.rate_Hz > 0.0 ? kMaxIntervals / gaze.trace.rate_Hz : 0.0;
   const double end_s = gaze.schedule.end_s();
   std::vector<SightSample> samples;
@@ -209,7 +207,7 @@ std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSamp
 }
 
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-                          std::vector<GazeEvent>& events, bool attention) {
+                          RunEvents& judged, bool attention) {
   GazeInScene found;
   found.objects.push_back({.name = {}});
   for (const NamedShape& shape : study.scene.objects) found.objects.push_back({.name = shape.name});
@@ -217,7 +215,7 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
     found.objects.push_back({.name = cloud.objects.names[i]});
   }
   std::vector<std::size_t> source;
-  found.samples = samplesOf(study, gaze, source);
+  found.samples = samplesOf(gaze, judged.states, source);
   const Looker looker(study, gaze, cloud);
   if (attention) found.attention_s.assign(cloud.size(), 0.0);
   std::optional<Progress> progress;
@@ -240,9 +238,9 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
     if (progress) progress->advance(first + some);
   }
   if (gaze.trace.samples.front().head) {
-    fixateRestingPoints(events, found.samples, study.gaze.events.rules);
+    fixateRestingPoints(judged.events, found.samples, study.gaze.events.rules);
   }
-  for (const GazeEvent& event : events) {
+  for (const GazeEvent& event : judged.events) {
     if (event.kind != GazeState::fixation) continue;
     found.fixations.push_back(fixationOf(event, found.samples, found.objects.size()));
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/record/run_events.h"
 #include "app/replay/replay_inputs.h"
 #include "app/study/study.h"
 #include "gaze/events/gaze_events.h"
@@ -66,11 +67,11 @@ std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSamp
 /// Looks along each sample of the replayed time, within the study's cone about the line of sight,
 /// as the eye does to focus. Shapes of the study come before the scene's own objects. Keys of the
 /// eye that change during the run move it.
-/// @param events     of the run. Where the recording has a head, pursuit that rests on a point of
+/// @param judged     of the run. Where the recording has a head, pursuit that rests on a point of
 ///                   the scene becomes fixation (`fixateRestingPoints`)
 /// @param attention  whether to share the time of each sample among the surfels that it meets
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-                          std::vector<GazeEvent>& events, bool attention);
+                          RunEvents& judged, bool attention);
 
 /// gaze3d.tsv, fixations3d.tsv and objects.tsv; `n/a` where a value is absent.
 std::string sightTable(const GazeInScene& gaze);

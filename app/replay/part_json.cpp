@@ -31,8 +31,9 @@ std::optional<glm::dvec2> pointOf(const Json& json) {
 }
 
 GazeState stateNamed(const std::string& name) {
-  for (const GazeState state : {GazeState::fixation, GazeState::saccade, GazeState::oscillation,
-                                GazeState::pursuit, GazeState::blink, GazeState::lost}) {
+  for (const GazeState state :
+       {GazeState::fixation, GazeState::saccade, GazeState::oscillation, GazeState::pursuit,
+        GazeState::blink, GazeState::lost, GazeState::unjudged}) {
     if (nameOf(state) == name) return state;
   }
   throw std::runtime_error("unknown gaze state");

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "app/graphics/html.h"
+#include "app/record/quality_json.h"
 #include "app/record/tables.h"
 #include "base/base64.h"
 #include "base/file.h"
@@ -83,6 +84,9 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
     html += "<p class=\"quiet\">The recording does not state this, so foci assumed: " +
             escaped(assumption) + ".</p>\n";
   }
+  html += "<p class=\"quiet\">Eye movements by detector " +
+          escaped(labelOf(study.gaze.events.detector)) + "; " +
+          escaped(qualityText(facts.quality)) + "</p>\n";
   const Screen screen = study.screenInForce();
   if (study.display.kind == DisplayKind::headset) {
     const EyeField field = fieldOfBothEyes(study.display.field());
@@ -224,8 +228,8 @@ std::string dataLossText(const ReportFacts& facts) {
 
 std::string legend(const std::vector<RunMark>& marks) {
   std::string html = "<p class=\"legend\">";
-  for (const GazeState state :
-       {GazeState::saccade, GazeState::pursuit, GazeState::blink, GazeState::lost}) {
+  for (const GazeState state : {GazeState::saccade, GazeState::pursuit, GazeState::blink,
+                                GazeState::lost, GazeState::unjudged}) {
     html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
   }
   html += "<span>plain ground: fixation</span>";

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/record/run_events.h"
 #include "app/record/run_summary.h"
 #include "app/replay/contact_sheet.h"
 #include "app/replay/gaze_in_scene.h"
@@ -34,6 +35,7 @@ struct ReportFacts {
   std::vector<ObjectLooks> objects;  ///< `GazeInScene::objects`
   std::vector<HeatPicture> heat;     ///< none: no heatmap was asked for
   double most_heat_s_per_m2 = 0.0;   ///< `HeatMap::most_s_per_m2`
+  RecordingQuality quality{};        ///< of the gaze recording
   unsigned threads = 0;
   std::string device;                 ///< that rendered the frames
   RunChanges run;                     ///< the study in force, and what changed

@@ -107,6 +107,8 @@ const char* colorOf(GazeState state) {
       return "#7a8190";
     case GazeState::lost:
       return "#c94a4a";
+    case GazeState::unjudged:
+      return "#b8a04a";
   }
   return "#c94a4a";
 }

@@ -137,11 +137,14 @@ RunResult RunWriter::finish(const RunFacts& run) {
   table_.finish();
   video_.finish();
   const Schedule& schedule = gaze_.schedule;
-  std::vector<GazeEvent> events =
-      eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
+  RunEvents judged = eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
+  const std::vector<GazeEvent>& events = judged.events;
+  for (const std::string& warning : judged.warnings) {
+    warnings_.add(study_.gaze.source, warning);
+  }
   const GazeInScene in_scene =
-      lookIntoScene(study_, gaze_, cloud_, events, run.heatmap.has_value());
-  folder_.write(kEvents, eventTable(events));
+      lookIntoScene(study_, gaze_, cloud_, judged, run.heatmap.has_value());
+  folder_.write(kEvents, eventTable(events, study_.gaze.events.detector));
   folder_.write(kSights, sightTable(in_scene));
   folder_.write(kSightFixations, sightFixationTable(in_scene));
   folder_.write(kObjects, objectTable(in_scene));
@@ -153,6 +156,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
   statistics_.fill(facts);
   facts.summary = summaryOf(schedule, events, statistics_, facts, out_);
   facts.objects = in_scene.objects;
+  facts.quality = judged.quality;
   if (run.heatmap) {
     const HeatMap heat = heatMapOf(cloud_, in_scene.attention_s);
     facts.heat = heatPictures(heat.cloud, in_scene);
@@ -180,7 +184,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
                                         {.command = run.command,
                                          .threads = run.threads,
                                          .device = run.device,
-                                         .gaze = factsOf(gaze_.trace),
+                                         .gaze = factsOf(gaze_.trace, judged),
                                          .warnings = facts.warnings,
                                          .inputs = run.inputs,
                                          .frames_sha256 = hash_.hex()}));

@@ -238,6 +238,11 @@ GazeTrace loadNamedGaze(const Study& study) {
   if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
   GazeTrace trace = readTrace(study.gaze.source, study.columnsInForce(), study.screenInForce(),
                               study.record.rate_Hz);
+  if (trace.relative) {
+    throw InputError(study.gaze.source,
+                     "gaze.units = \"relative\": the place of the gaze is not known; expected "
+                     "gaze.map, or foci events for labels alone");
+  }
   if (!study.gaze.map) return trace;
   const GazeCalibration calibration = readGazeCalibration(*study.gaze.map, /*webcam=*/false);
   if (const auto* both_eyes = std::get_if<BinocularCalibration>(&calibration)) {

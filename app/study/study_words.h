@@ -75,6 +75,14 @@ inline constexpr std::array kStudyWords<RenderDevice>{
     StudyWord{"cpu", RenderDevice::cpu},
 };
 
+template <>
+inline constexpr std::array kStudyWords<Detector>{
+    StudyWord{"trained", Detector::trained},
+    StudyWord{"rules", Detector::rules},
+    StudyWord{"ivt", Detector::ivt},
+    StudyWord{"idt", Detector::idt},
+};
+
 /// Absent: the file says so itself.
 template <>
 inline constexpr std::array kStudyWords<std::optional<GazeUnits>>{
@@ -82,6 +90,7 @@ inline constexpr std::array kStudyWords<std::optional<GazeUnits>>{
     StudyWord<std::optional<GazeUnits>>{"px", GazeUnits::px},
     StudyWord<std::optional<GazeUnits>>{"deg", GazeUnits::deg},
     StudyWord<std::optional<GazeUnits>>{"normalised", GazeUnits::normalised},
+    StudyWord<std::optional<GazeUnits>>{"relative", GazeUnits::relative},
 };
 
 template <class Enum>

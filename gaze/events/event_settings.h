@@ -1,9 +1,19 @@
 // Settings of the event detection.
 #pragma once
 
+#include <optional>
+
 #include "gaze/events/event_rules.h"
 
 namespace foci {
+
+/// What labels the samples.
+enum class Detector {
+  trained,  ///< trees trained on labelled recordings (trained_events.h)
+  rules,    ///< velocity thresholds that follow the noise (saccades.h)
+  ivt,      ///< a velocity threshold (Salvucci and Goldberg 2000, Olsen 2012)
+  idt       ///< a dispersion threshold (Salvucci and Goldberg 2000)
+};
 
 /// The velocity threshold is a minimum: in a noisy recording the detectors raise it with the noise.
 ///
@@ -11,14 +21,19 @@ namespace foci {
 /// others were chosen by hand. The agreement with human coders bounds them, see `foci events
 /// --score` and the test LabelSamples.AgreesWithHumanCodersAsTheyDoAmongThemselves.
 struct EventSettings {
-  double saccade_deg_s = 30.0;  ///< minimum peak velocity of a saccade
-  double window_s = 0.011;      ///< minimum length of the window whose slope is the velocity
-  double delay_s = 0.020;       ///< how far the online detector may look ahead
-  double max_gap_s = 0.02;      ///< shorter data loss is bridged, unless the eyelid moves beside it
-  double max_blink_s = 0.5;     ///< longer data loss is `lost`, shorter data loss is a blink
-  double position_s = 0.1;      ///< a fixation's position is the mean over its last 0.1 s
-  double merge_gap_s = 0.075;   ///< two fixations become one if the time between them is shorter
-  double merge_deg = 0.5;       ///< and the angle between them smaller
+  Detector detector = Detector::trained;
+  /// False: pursuit counts as fixation. Absent: true, but false for a headset without head poses,
+  /// because turns of the head then look like pursuit.
+  std::optional<bool> pursuit{};
+  double saccade_deg_s = 30.0;  ///< minimum peak velocity of a saccade; `rules` and `ivt` only
+  /// Minimum length of the window whose slope is the velocity; `rules` only.
+  double window_s = 0.011;
+  double delay_s = 0.020;      ///< how far the online detector may look ahead
+  double max_gap_s = 0.02;     ///< shorter data loss is bridged, unless the eyelid moves beside it
+  double max_blink_s = 0.5;    ///< longer data loss is `lost`, shorter data loss is a blink
+  double position_s = 0.1;     ///< a fixation's position is the mean over its last 0.1 s
+  double merge_gap_s = 0.075;  ///< two fixations become one if the time between them is shorter
+  double merge_deg = 0.5;      ///< and the angle between them smaller
   double min_fixation_s = 0.06;  ///< shorter fixations are not reported as events
   EventRules rules{};
 };

@@ -135,17 +135,8 @@ bool isPursuitAmong(const std::vector<const StableGaze*>& stable, std::size_t pl
 
 }  // namespace
 
-std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
+std::vector<GazeState> labelByRules(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings) {
-  const auto rates = rateStretchesOf(trace);
-  if (rates.size() > 1) {
-    std::vector<GazeState> states;
-    for (std::size_t i = 0; i < rates.size(); ++i) {
-      const auto part = labelSamples(stretchOf(trace, rates, i), screen, settings);
-      states.insert(states.end(), part.begin(), part.end());
-    }
-    return states;
-  }
   std::vector<TimedSight> sights;
   std::vector<bool> blinks;
   sights.reserve(trace.samples.size());
@@ -279,6 +270,7 @@ class EventBuilder {
   GazeEvent eventOf(const Run& run, double duration_s) const {
     GazeEvent event{
         .kind = run.state, .onset_s = trace_.samples[run.first].time_s, .duration_s = duration_s};
+    if (trace_.relative) return event;
     if (isStable(run.state)) event.position_px = meanOf_px(run, middleOf(run));
     if (run.state != GazeState::saccade) return event;
 
@@ -336,11 +328,6 @@ std::vector<GazeEvent> eventsOf(const std::vector<GazeState>& states, const Gaze
     events.insert(events.end(), part.begin(), part.end());
   }
   return events;
-}
-
-std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
-                                    const EventSettings& settings) {
-  return eventsOf(labelSamples(trace, screen, settings), trace, screen, settings);
 }
 
 }  // namespace foci

@@ -9,22 +9,29 @@
 
 namespace foci {
 
-/// The state of every sample. Each decision may use the complete recording, or the stretch of one
-/// rate that the sample lies in (`rateStretchesOf`).
+/// The state of every sample (`labelEvents`). Each decision may use the complete recording, or the
+/// stretch of one rate that the sample lies in (`rateStretchesOf`).
 /// @param trace   its rate must be known
 /// @param screen  the screen of the samples, with known size and distance
 std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings = {});
 
-/// An interval of one state. Positions are absent in blinks and data loss.
+/// The state of every sample by thresholds that follow the noise: `Detector::rules`.
+std::vector<GazeState> labelByRules(const GazeTrace& trace, const Screen& screen,
+                                    const EventSettings& settings);
+
+/// An interval of one state. Positions are absent in blinks and data loss. Of an uncalibrated
+/// signal
+/// (`GazeTrace::relative`), positions, amplitudes and speeds are absent.
 struct GazeEvent {
   GazeState kind = GazeState::lost;
   double onset_s = 0.0;  ///< on the recording's clock
   double duration_s = 0.0;
-  std::optional<glm::dvec2> position_px{};  ///< mean of a fixation, end of a saccade
-  std::optional<glm::dvec2> start_px{};     ///< saccades only
-  double amplitude_deg = 0.0;               ///< saccades only: angle from start to end
-  double peak_velocity_deg_s = 0.0;         ///< saccades only
+  std::optional<glm::dvec2> position_px{};      ///< mean of a fixation, end of a saccade
+  std::optional<glm::dvec2> start_px{};         ///< saccades only
+  std::optional<double> amplitude_deg{};        ///< saccades only: angle from start to end
+  std::optional<double> peak_velocity_deg_s{};  ///< saccades only
+  std::optional<double> probability{};  ///< of its kind, mean over its samples; `trained` only
 };
 
 /// Events in order of time. They end where the rate changes. Neighbouring fixations are merged and
@@ -33,7 +40,7 @@ struct GazeEvent {
 std::vector<GazeEvent> eventsOf(const std::vector<GazeState>& states, const GazeTrace& trace,
                                 const Screen& screen, const EventSettings& settings = {});
 
-/// `eventsOf` with the labels of `labelSamples`.
+/// `eventsOf` with the labels of `labelEvents`, and their probabilities.
 std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings = {});
 

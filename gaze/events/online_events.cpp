@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "gaze/events/published_detectors.h"
 #include "gaze/events/saccades.h"
 #include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -55,22 +56,45 @@ OnlineEvents::OnlineEvents(const Screen& screen, double rate_Hz, const EventSett
       rate_Hz_(rate_Hz),
       settings_(settings),
       ahead_(rate_Hz, settings),
-      noise_(rate_Hz, settings) {}
+      noise_(rate_Hz, settings) {
+  if (settings.detector == Detector::trained) {
+    trained_.emplace(rate_Hz, settings, builtinEventModel());
+  }
+}
+
+/// Until the delay has passed, each sample with a position counts as a fixation.
+GazeNow OnlineEvents::waitFor(const GazeSample& sample, const TimedSight& sight) {
+  now_.state = sample.point_px ? GazeState::fixation : GazeState::lost;
+  now_.state_time_s = samples_.front().time_s;
+  if (sample.point_px) fixate(sample, sight);
+  return now_;
+}
+
+GazeNow OnlineEvents::pushTrained(const GazeSample& sample) {
+  samples_.push_back(sample);
+  const auto in_head =
+      sample.point_px ? std::optional(lineOfSight(screen_, *sample.point_px)) : std::nullopt;
+  const auto label = trained_->push(sample, sightOf(sample, screen_), in_head);
+  noise_deg_ = trained_->noise_deg();
+  if (!label) return waitFor(sample, sightOf(sample, screen_));
+  const GazeSample& subject = samples_.front();
+  now_.state = label->state;
+  now_.state_time_s = subject.time_s;
+  follow(subject, sightOf(subject, screen_), label->state);
+  samples_.pop_front();
+  return now_;
+}
 
 GazeNow OnlineEvents::push(const GazeSample& sample) {
+  if (trained_) return pushTrained(sample);
   samples_.push_back(sample);
   sights_.push_back(sightOf(sample, screen_));
   noise_.push(sights_.back());
   blinks_.push_back(sample.blink);
 
-  // Until the delay has passed, each sample with a position counts as a fixation.
-  if (sights_.size() <= ahead_.delay) {
-    now_.state = sample.point_px ? GazeState::fixation : GazeState::lost;
-    now_.state_time_s = sights_.front().time_s;
-    if (sample.point_px) fixate(sample, sights_.back());
-    return now_;
-  }
+  if (sights_.size() <= ahead_.delay) return waitFor(sample, sights_.back());
   if (noise_.update()) calm_from_ = settled_;  // by the new noise, it may not have been calm
+  noise_deg_ = noise_.value().sample_deg;
   if (labels_.empty()) labelNext();
   const GazeSample& subject = samples_.front();
   noteCalm(labels_.front());
@@ -79,8 +103,12 @@ GazeNow OnlineEvents::push(const GazeSample& sample) {
   labels_.pop_front();
   samples_.pop_front();
   ++settled_;
+  forgetOld();
+  return now_;
+}
 
-  // Remove the older half in one step, so that the mean cost per sample stays constant.
+/// Removes the older half in one step, so that the mean cost per sample stays constant.
+void OnlineEvents::forgetOld() {
   const std::size_t history =
       static_cast<std::size_t>(kContext_s * rate_Hz_) + 2 * ahead_.delay + 2;
   if (sights_.size() > 2 * history) {
@@ -91,7 +119,6 @@ GazeNow OnlineEvents::push(const GazeSample& sample) {
     calm_from_ -= std::min(calm_from_, old);
     context_from_ -= std::min(context_from_, old);
   }
-  return now_;
 }
 
 /// Calm gaze for longer than the rest of an eyelid, an oscillation and half a window separates what
@@ -111,6 +138,14 @@ void OnlineEvents::noteCalm(GazeState label) {
 
 void OnlineEvents::labelNext() {
   const auto context = static_cast<std::size_t>(kContext_s * rate_Hz_) + ahead_.delay + 1;
+  if (settings_.detector != Detector::rules) {
+    const std::span sights = std::span(sights_).last(std::min(context, sights_.size()));
+    const auto states = settings_.detector == Detector::ivt
+                            ? labelByVelocity(sights, rate_Hz_, settings_.saccade_deg_s)
+                            : labelByDispersion(sights);
+    labels_.push_back(states[settled_ - (sights_.size() - sights.size())]);
+    return;
+  }
   const bool narrow = scaleWindow_s(0, rate_Hz_, settings_) <= kWide_s &&
                       !mayHideSaccades(noise_.value().velocity_deg_s[0], 0, rate_Hz_, settings_);
   // Most of the time gaze rests, and goes on to rest.
@@ -140,23 +175,31 @@ GazeState OnlineEvents::settle(const GazeSample& sample, const TimedSight& sight
       !(last_present_s_ && sample.time_s - *last_present_s_ <= settings_.max_blink_s)) {
     label = GazeState::lost;
   }
-  if (label != GazeState::fixation) {
-    if (label == GazeState::blink || label == GazeState::lost) fixation_.clear();
-    landed_s_.reset();
-    stable_.clear();
-    return label;
-  }
+  if (!follow(sample, sight, label)) stable_.clear();
+  if (label != GazeState::fixation) return label;
   if (!sample.point_px) return now_.state;
+  if (settings_.detector != Detector::rules) return label;
   if (sample.time_s - stable_.newest_s() > longestStep_s(rate_Hz_)) stable_.clear();
-  fixate(sample, sight);
   stable_.add(sample.time_s, *sight.direction);
   return stable_.isPursuit(noise_.value().sample_deg, settings_.rules) ? GazeState::pursuit
                                                                        : GazeState::fixation;
 }
 
+/// Moves the point of fixation with stable gaze.
+/// @return whether gaze is stable
+bool OnlineEvents::follow(const GazeSample& sample, const TimedSight& sight, GazeState label) {
+  if (!isStable(label)) {
+    if (label == GazeState::blink || label == GazeState::lost) fixation_.clear();
+    landed_s_.reset();
+    return false;
+  }
+  if (sample.point_px) fixate(sample, sight);
+  return true;
+}
+
 void OnlineEvents::fixate(const GazeSample& sample, const TimedSight& sight) {
   if (fixation_.empty()) before_ = recent_ = {};
-  const double ratio = noise_.value().sample_deg / kFixationError_deg;
+  const double ratio = noise_deg_ / kFixationError_deg;
   const double enough = std::max(ratio * ratio, 1.0);
   fixation_.push_back({sample.time_s, *sample.point_px, *sight.direction});
   recent_.add(*sample.point_px);
@@ -189,7 +232,7 @@ void OnlineEvents::fixate(const GazeSample& sample, const TimedSight& sight) {
   // the saccade between them. If they agree, a "saccade" between them was noise alone.
   if (before.count > 0.0 &&
       angleBetween_deg(screen_, recent.mean_px(), before.mean_px()) >
-          kMoved * noise_.value().sample_deg * std::sqrt(1.0 / recent.count + 1.0 / before.count)) {
+          kMoved * noise_deg_ * std::sqrt(1.0 / recent.count + 1.0 / before.count)) {
     fixation_.erase(fixation_.begin(),
                     fixation_.begin() + static_cast<std::ptrdiff_t>(before_.count));
     before = before_ = {};
@@ -197,36 +240,7 @@ void OnlineEvents::fixate(const GazeSample& sample, const TimedSight& sight) {
   const double count = before.count + recent.count;
   now_.fixation_time_s = sample.time_s;
   now_.fixation_px = (before.points_px + recent.points_px) / count;
-  now_.fixation_error_deg = noise_.value().sample_deg / std::sqrt(count);
-}
-
-std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,
-                                          const EventSettings& settings) {
-  const auto rates = rateStretchesOf(trace);
-  if (rates.size() > 1) {
-    std::vector<GazeState> states;
-    for (std::size_t i = 0; i < rates.size(); ++i) {
-      const auto part = labelSamplesOnline(stretchOf(trace, rates, i), screen, settings);
-      states.insert(states.end(), part.begin(), part.end());
-    }
-    return states;
-  }
-  OnlineEvents events(screen, trace.rate_Hz, settings);
-  const std::size_t delay = events.delaySamples();
-  std::vector<GazeState> states;
-  states.reserve(trace.samples.size());
-  // Push empty samples behind the end, so that the last samples get their labels too.
-  for (std::size_t i = 0; i < trace.samples.size() + delay; ++i) {
-    const bool ended = i >= trace.samples.size();
-    GazeSample sample = ended ? GazeSample{} : trace.samples[i];
-    if (ended) {
-      const auto beyond = static_cast<double>(i - trace.samples.size() + 1);
-      sample.time_s = trace.samples.back().time_s + beyond / trace.rate_Hz;
-    }
-    const GazeState state = events.push(sample).state;
-    if (i >= delay) states.push_back(state);
-  }
-  return states;
+  now_.fixation_error_deg = noise_deg_ / std::sqrt(count);
 }
 
 }  // namespace foci

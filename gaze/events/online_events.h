@@ -9,6 +9,7 @@
 #include "gaze/events/event_settings.h"
 #include "gaze/events/pursuit.h"
 #include "gaze/events/sight_noise.h"
+#include "gaze/events/trained_events.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
@@ -34,9 +35,9 @@ struct Lookahead {
   std::size_t hop = 1;    ///< so many samples are labelled in one step
 };
 
-/// A causal detector for rates from 25 to 2000 Hz. It labels each sample as the offline detector
-/// would if the recording began 0.4 s before the sample and ended `delay_s` after it. Both use the
-/// same noise. The time per sample and the memory do not grow.
+/// A causal detector for rates from 25 to 2000 Hz, and the point of fixation. Each sample gets the
+/// label that the samples up to `delay_s` after it tell. `rules` labels it as the offline detector
+/// would if the recording began 0.4 s before. The time per sample and the memory do not grow.
 class OnlineEvents {
  public:
   /// @param screen   the screen of the samples, with known size and distance
@@ -55,7 +56,11 @@ class OnlineEvents {
  private:
   void labelNext();
   void noteCalm(GazeState label);
+  void forgetOld();
+  GazeNow pushTrained(const GazeSample& sample);
+  GazeNow waitFor(const GazeSample& sample, const TimedSight& sight);
   GazeState settle(const GazeSample& sample, const TimedSight& sight, GazeState label);
+  bool follow(const GazeSample& sample, const TimedSight& sight, GazeState label);
   void fixate(const GazeSample& sample, const TimedSight& sight);
 
   Screen screen_;
@@ -70,6 +75,8 @@ class OnlineEvents {
   std::size_t calm_from_ = 0;         // since this sample, gaze is stable and present
   std::size_t context_from_ = 0;      // what happened before does not change the next labels
   RecentNoise noise_;
+  std::optional<TrainedEvents> trained_{};
+  double noise_deg_ = 0.0;  // standard deviation of a sample's error along each axis
   std::optional<double> last_present_s_{};
   GazeNow now_{};
   StableGaze stable_{};

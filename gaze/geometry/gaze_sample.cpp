@@ -16,6 +16,8 @@ std::string_view nameOf(GazeState state) {
       return "blink";
     case GazeState::lost:
       return "lost";
+    case GazeState::unjudged:
+      return "unjudged";
   }
   return "lost";
 }

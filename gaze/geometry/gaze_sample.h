@@ -39,10 +39,12 @@ enum class GazeState {
   oscillation,  ///< post-saccadic
   pursuit,      ///< smooth pursuit
   blink,
-  lost  ///< data loss
+  lost,     ///< data loss
+  unjudged  ///< the signal does not tell
 };
+inline constexpr std::size_t kGazeStates = 7;
 
-/// "fixation", "saccade", "pso", "pursuit", "blink", "lost".
+/// "fixation", "saccade", "pso", "pursuit", "blink", "lost", "unjudged".
 std::string_view nameOf(GazeState state);
 
 /// One eye in a sample of a binocular recording.
@@ -84,6 +86,7 @@ struct GazeTrace {
   double rate_Hz = 0.0;               ///< sampling rate, nominal or median
   std::vector<GazeSample> samples{};  ///< times strictly increase
   bool simulated = false;
+  bool relative = false;  ///< uncalibrated: scale and origin of the positions are not known
   /// What the left eye sees of a headset's display; the right eye's field is its mirror image.
   /// Absent: the screen does not move.
   std::optional<EyeField> field{};

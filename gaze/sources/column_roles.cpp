@@ -67,6 +67,8 @@ class Roles {
       case GazeUnits::normalised:
         return layout_.y_up ? "fractions of the screen from its lower left corner"
                             : "fractions of the screen";
+      case GazeUnits::relative:
+        return "uncalibrated";
       case GazeUnits::px:
         break;
     }

@@ -128,7 +128,8 @@ class RowReader {
       field_ = columns.field.value_or(EyeField{});
       screen_ = headsetScreen(fieldOfBothEyes(*field_), columns.pixels_per_degree);
     }
-    if ((units_ == GazeUnits::deg || isInSpace()) && !isMetric(screen_)) {
+    if ((units_ == GazeUnits::deg || units_ == GazeUnits::relative || isInSpace()) &&
+        !isMetric(screen_)) {
       screen_ = kNominalScreen;
       nominal_ = true;
     }

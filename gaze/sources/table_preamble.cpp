@@ -13,6 +13,7 @@ std::optional<GazeUnits> unitsNamed(std::string_view name) {
   if (name == "px" || name == "pixels") return GazeUnits::px;
   if (name == "deg" || name == "dva" || name == "degrees") return GazeUnits::deg;
   if (name == "normalised" || name == "normalized" || name == "norm") return GazeUnits::normalised;
+  if (name == "relative") return GazeUnits::relative;
   return std::nullopt;
 }
 
@@ -35,7 +36,7 @@ void readKeys(const LineReader& lines, std::string_view line, TablePreamble& pre
     if (key == "units") {
       preamble.units = unitsNamed(text);
       if (!preamble.units) {
-        throw lines.error("units = " + shown(text) + ": expected px, deg or normalised");
+        throw lines.error("units = " + shown(text) + ": expected px, deg, normalised or relative");
       }
       continue;
     }

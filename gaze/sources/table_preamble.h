@@ -19,7 +19,7 @@ struct TablePreamble {
   bool tobii_studio = false;        ///< the file begins like those of Tobii Studio 1 and 2
 };
 
-/// "px", "deg", "normalised" and their usual synonyms.
+/// "px", "deg", "normalised", "relative" and their usual synonyms.
 std::optional<GazeUnits> unitsNamed(std::string_view name);
 
 /// Reads a line that begins with '#': `# key=value ...`, or a BeGaze line such as

@@ -38,7 +38,7 @@ std::optional<double> TableRow::coordinate(std::size_t column, int axis) const {
 
 std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text, int axis,
                                            double number) const {
-  const double limit = units_ == GazeUnits::px ? kFarthestGaze_px
+  const double limit = units_ == GazeUnits::px || units_ == GazeUnits::relative ? kFarthestGaze_px
                        : units_ == GazeUnits::deg
                            ? kMaxEccentricity_deg
                            : kFarthestGaze_px / glm::max(screen_.size_px.x, screen_.size_px.y);
@@ -58,7 +58,7 @@ std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
     return std::nullopt;
   }
   if (units_ == GazeUnits::deg) return pointAtEccentricity_px(screen_, {x, y});
-  if (units_ == GazeUnits::px) return glm::dvec2(x, y);
+  if (units_ == GazeUnits::px || units_ == GazeUnits::relative) return glm::dvec2(x, y);
   return glm::dvec2(x, layout_.y_up ? 1.0 - y : y) * glm::dvec2(screen_.size_px);
 }
 

@@ -140,6 +140,38 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
   return format && format->preview ? format->preview(file) : SpacePreview{};
 }
 
+namespace {
+
+/// Gives uncalibrated positions the extent of a screen: 98 % of them along the wider axis span 30
+/// deg, and the medians lie in the middle.
+void scaleRelative(GazeTrace& trace) {
+  constexpr double kSpan_deg = 30.0, kOutside = 0.01;
+  glm::dvec2 middle{0.0};
+  double extent = 0.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> values;
+    for (const GazeSample& sample : trace.samples) {
+      if (sample.point_px) values.push_back((*sample.point_px)[axis]);
+    }
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double share) {
+      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    };
+    middle[axis] = at(0.5);
+    extent = std::max(extent, at(1.0 - kOutside) - at(kOutside));
+  }
+  const double degrees = extent > 0.0 ? kSpan_deg / extent : 1.0;
+  for (GazeSample& sample : trace.samples) {
+    if (!sample.point_px) continue;
+    constexpr double kMost_deg = 80.0;  // a spike stays on the plane of the screen
+    sample.point_px = pointAtEccentricity_px(
+        *trace.screen, glm::clamp(degrees * (*sample.point_px - middle), -kMost_deg, kMost_deg));
+  }
+  trace.relative = true;
+}
+
+}  // namespace
+
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen, std::optional<double> rate_Hz) {
   GazeTrace trace;
@@ -167,6 +199,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
                                (trace.warnings.empty() ? "" : "; " + trace.warnings.front()));
   }
 
+  if (header.units == GazeUnits::relative && !columns.mapped_later) scaleRelative(trace);
   trace.rate_Hz = rate_Hz ? *rate_Hz : medianRate_Hz(trace.samples);
   if (!(trace.rate_Hz >= kMinRate_Hz && trace.rate_Hz <= kMaxRate_Hz)) {
     throw InputError(name,

@@ -26,8 +26,9 @@ inline constexpr double kFarthestGaze_px = 1e5;
 enum class GazeUnits {
   px,   ///< pixels from the screen's top-left corner, y down
   deg,  ///< eccentricity from the screen's centre, y up: atan(offset_m / distance_m), each axis
-  normalised  ///< fractions of the screen; (0, 0) is the top-left corner, (1, 1) the bottom-right
-              ///< one
+  normalised,  ///< fractions of the screen; (0, 0) is the top-left corner, (1, 1) the bottom-right
+               ///< one
+  relative     ///< uncalibrated, of unknown scale: `readTrace` gives them the extent of a screen
 };
 
 /// Columns' names, all or none of them empty.

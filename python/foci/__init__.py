@@ -23,11 +23,12 @@ del _type
 def _recording_events(self, *, as_frame=False, **settings):
     """Fixations, saccades, pursuit, blinks and data loss, in order of time.
 
-    online: label as `foci live` does, without the future. saccade_deg_s, min_fixation_s, max_blink_s, delay_s: see
-    docs/python.md. as_frame: return a pandas DataFrame.
+    online: label as `foci live` does, without the future. detector: trained, rules, ivt or idt. pursuit: False counts
+    it as fixation. saccade_deg_s, min_fixation_s, max_blink_s, delay_s: see docs/python.md. as_frame: return a pandas
+    DataFrame.
 
     Returns a structured array with the fields kind, onset_s, duration_s, x_px, y_px, start_x_px, start_y_px,
-    amplitude_deg, peak_velocity_deg_s. A value that an event does not have is NaN.
+    amplitude_deg, peak_velocity_deg_s, probability. A value that an event does not have is NaN.
     """
     table = self._events(**settings)
     if not as_frame:

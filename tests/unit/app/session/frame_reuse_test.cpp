@@ -247,6 +247,7 @@ TEST(FrameReuse, ARunMayBeginInASaccadeOrWithoutGaze) {
   for (const bool foveated : {false, true}) {
     for (const Gaze& gaze : runs) {
       Study study = wallStudy();
+      study.gaze.events.detector = Detector::rules;  // steady fast motion is a saccade
       study.quality.foveated = foveated;
       Watch watch(study, cloud, gaze);
       FrameRecord record = watch.look(0.06);

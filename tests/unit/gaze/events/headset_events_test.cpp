@@ -39,7 +39,7 @@ TEST(EventsOfAHeadset, AreThoseOfGazeInTheWorld) {
   });
   ASSERT_NE(saccade, events.end());
   EXPECT_NEAR(saccade->onset_s, 2.0, 0.03);
-  EXPECT_NEAR(saccade->amplitude_deg, kSaccade_deg, 0.1);
+  EXPECT_NEAR(*saccade->amplitude_deg, kSaccade_deg, 0.1);
   const auto count = [&](GazeState kind) {
     return std::count_if(events.begin(), events.end(),
                          [&](const GazeEvent& event) { return event.kind == kind; });

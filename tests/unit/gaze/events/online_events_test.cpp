@@ -17,6 +17,8 @@ namespace foci {
 namespace {
 
 const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.52, 0.2925}, .distance_m = 0.6};
+/// These tests are about the rules; trained_events_test.cpp is about the trained detector.
+const EventSettings kRules{.detector = Detector::rules};
 const OculomotorSettings kQuiet{.noise_deg = 0.01, .blink_rate_Hz = 0.0};
 
 std::vector<GazeTarget> walk() {
@@ -154,7 +156,7 @@ TEST(OnlineEvents, DoesNotDependOnLaterSamples) {
 TEST(LabelSamples, FindsSimulatedFixationsAtEveryRate) {
   for (double rate_Hz : {30.0, 60.0, 120.0, 300.0, 500.0, 1000.0, 2000.0}) {
     const SimulatedGaze gaze = simulateGaze(walk(), kScreen, rate_Hz, 7, {.noise_deg = 0.01});
-    const auto states = labelSamples(gaze.trace, kScreen);
+    const auto states = labelSamples(gaze.trace, kScreen, kRules);
     ASSERT_EQ(states.size(), gaze.states.size());
     CohensKappa stable;
     for (std::size_t i = 0; i < states.size(); ++i) {
@@ -180,7 +182,8 @@ TEST(LabelSamples, BridgesShortGapsAndTellsBlinksFromDataLoss) {
   trace.samples[100].blink = true;  // the tracker reports a blink at 0.2 s
   trace.samples[100].point_px.reset();
   for (const bool online : {false, true}) {
-    const auto states = online ? labelSamplesOnline(trace, kScreen) : labelSamples(trace, kScreen);
+    const auto states =
+        online ? labelSamplesOnline(trace, kScreen, kRules) : labelSamples(trace, kScreen, kRules);
     const auto at = [&](double time_s) {
       return states[static_cast<std::size_t>(500 * time_s + 0.5)];
     };
@@ -208,7 +211,7 @@ TEST(LabelSamples, TheMotionOfTheLidIsPartOfTheBlink) {
       trace.samples[i].point_px->y += 8000.0 * std::min(since_s, until_s);
     }
   }
-  const auto states = labelSamples(trace, kScreen);
+  const auto states = labelSamples(trace, kScreen, kRules);
   for (std::size_t i = 505; i < 595; ++i) ASSERT_EQ(states[i], GazeState::blink) << i;
   EXPECT_EQ(std::count(states.begin(), states.end(), GazeState::saccade), 0);
 }
@@ -217,7 +220,7 @@ TEST(LabelSamples, ASpikeIsNoSaccade) {
   for (const std::size_t length : {1, 2, 3}) {
     GazeTrace trace = stillTrace(250, 1.0);
     for (std::size_t i = 100; i < 100 + length; ++i) trace.samples[i].point_px->x += 200.0;
-    for (const GazeState state : labelSamples(trace, kScreen)) {
+    for (const GazeState state : labelSamples(trace, kScreen, kRules)) {
       EXPECT_EQ(state, GazeState::fixation) << length;
     }
   }
@@ -228,7 +231,7 @@ TEST(LabelSamples, ThresholdsRiseWithTheNoise) {
     for (const double noise_deg : {0.1, 0.3, 1.0}) {
       const SimulatedGaze still = simulateGaze({{{960, 540}, 6.0}}, kScreen, rate_Hz, 3,
                                                {.noise_deg = noise_deg, .blink_rate_Hz = 0.0});
-      const auto states = labelSamples(still.trace, kScreen);
+      const auto states = labelSamples(still.trace, kScreen, kRules);
       const auto false_alarms = std::count_if(states.begin(), states.end(),
                                               [](GazeState state) { return !isStable(state); });
       EXPECT_LE(static_cast<double>(false_alarms), 0.02 * static_cast<double>(states.size()))
@@ -236,7 +239,7 @@ TEST(LabelSamples, ThresholdsRiseWithTheNoise) {
 
       const SimulatedGaze gaze =
           simulateGaze(walk(), kScreen, rate_Hz, 3, {.noise_deg = noise_deg});
-      const auto walked = labelSamples(gaze.trace, kScreen);
+      const auto walked = labelSamples(gaze.trace, kScreen, kRules);
       CohensKappa stable;
       for (std::size_t i = 0; i < walked.size(); ++i) {
         if (gaze.states[i] == GazeState::blink) continue;
@@ -255,7 +258,7 @@ TEST(LabelSamples, TellsPursuitFromFixationAtAnySpeedOfTheTarget) {
       // One saccade leads to the target, and another one back to rest.
       *trace.samples[i].point_px += glm::dvec2(300.0 + moved_px, 0.0);
     }
-    const auto states = labelSamples(trace, kScreen);
+    const auto states = labelSamples(trace, kScreen, kRules);
     EXPECT_EQ(states[100], GazeState::fixation);
     EXPECT_EQ(states[375], GazeState::pursuit) << speed_px_s;
     EXPECT_EQ(states[650], GazeState::fixation);
@@ -293,7 +296,7 @@ TEST(DetectEvents, RecoversSimulatedSaccades) {
     const auto targets = walk();
     const SimulatedGaze gaze = simulateGaze(targets, kScreen, rate_Hz, 5, exact);
     std::vector<GazeEvent> saccades;
-    for (const GazeEvent& event : detectEvents(gaze.trace, kScreen)) {
+    for (const GazeEvent& event : detectEvents(gaze.trace, kScreen, kRules)) {
       if (event.kind == GazeState::saccade) saccades.push_back(event);
     }
     ASSERT_EQ(saccades.size(), targets.size() - 1) << rate_Hz << " Hz";
@@ -302,9 +305,9 @@ TEST(DetectEvents, RecoversSimulatedSaccades) {
           angleBetween_deg(kScreen, targets[i].point_px, targets[i + 1].point_px);
       const double duration_s = 0.021 + 0.0022 * amplitude_deg;
       // Drift moves the start, and the threshold cuts both ends.
-      EXPECT_NEAR(saccades[i].amplitude_deg, amplitude_deg, 0.7);
+      EXPECT_NEAR(*saccades[i].amplitude_deg, amplitude_deg, 0.7);
       EXPECT_NEAR(saccades[i].duration_s, duration_s, 0.014);
-      EXPECT_NEAR(saccades[i].peak_velocity_deg_s, 1.875 * amplitude_deg / duration_s,
+      EXPECT_NEAR(*saccades[i].peak_velocity_deg_s, 1.875 * amplitude_deg / duration_s,
                   0.1 * 1.875 * amplitude_deg / duration_s);
       EXPECT_LT(angleBetween_deg(kScreen, *saccades[i].position_px, targets[i + 1].point_px), 0.5);
     }
@@ -343,7 +346,7 @@ TEST(DetectEvents, RingingAfterASaccadeIsItsOscillation) {
     *trace.samples[i].point_px +=
         glm::dvec2(landed_px + (rings ? 30.0 * std::sin(ring_s * 314.16) : 0.0), 0.0);
   }
-  const auto events = detectEvents(trace, kScreen);
+  const auto events = detectEvents(trace, kScreen, kRules);
   ASSERT_EQ(events.size(), 4u);
   EXPECT_EQ(events[1].kind, GazeState::saccade);
   EXPECT_NEAR(events[1].duration_s, 0.045, 0.008);
@@ -359,11 +362,11 @@ TEST(DetectEvents, MergesFixationsAcrossAShortGapButNotAcrossABreak) {
     trace.samples[i].blink = true;
     trace.samples[i].point_px.reset();
   }
-  auto events = detectEvents(trace, kScreen);
+  auto events = detectEvents(trace, kScreen, kRules);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_NEAR(events[0].duration_s, 1.0, 1e-9);
   for (std::size_t i = 215; i < trace.samples.size(); ++i) trace.samples[i].time_s += 1.0;
-  events = detectEvents(trace, kScreen);
+  events = detectEvents(trace, kScreen, kRules);
   ASSERT_EQ(events.size(), 3u);
   EXPECT_NEAR(events[0].duration_s, 0.4, 1e-9);
   EXPECT_EQ(events[1].kind, GazeState::blink);
@@ -392,8 +395,8 @@ TEST(LabelSamples, AgreesWithHumanCodersAsTheyDoAmongThemselves) {
       constexpr std::size_t kEnough = 20'000;
       GazeTrace trace = readTrace(entry.path(), {}, nominal);
       trace.samples.resize(std::min(trace.samples.size(), kEnough));
-      const auto states = labelSamples(trace, *trace.screen);
-      const auto causal = labelSamplesOnline(trace, *trace.screen);
+      const auto states = labelSamples(trace, *trace.screen, kRules);
+      const auto causal = labelSamplesOnline(trace, *trace.screen, kRules);
       std::ifstream in(entry.path());
       std::string line, field, label;
       std::getline(in, line);

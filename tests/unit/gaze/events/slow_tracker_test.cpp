@@ -43,7 +43,7 @@ TEST_P(SlowTracker, SaccadesHaveTheirAmplitudeAndNoOscillation) {
     EXPECT_NE(event.kind, GazeState::oscillation) << event.onset_s;
     if (event.kind != GazeState::saccade) continue;
     ++saccades;
-    EXPECT_NEAR(event.amplitude_deg, amplitude_deg, 0.03 * amplitude_deg) << event.onset_s;
+    EXPECT_NEAR(*event.amplitude_deg, amplitude_deg, 0.03 * amplitude_deg) << event.onset_s;
   }
   EXPECT_EQ(saccades, kSaccades);
 }

@@ -195,7 +195,7 @@ TEST(ReadTable, RefusesValuesThatNoRecordingHas) {
   expectRefusal("time,x,y,pupil_mm\n0,1,1,1063\n", "diameter");
   expectRefusal("time,x,y,blink\n0,1,1,maybe\n", "expected 0 or 1");
   expectRefusal("time,x_px,y_deg\n0,1,1\n", "different units");
-  expectRefusal("# units=furlongs\ntime,x,y\n0,1,1\n", "expected px, deg or normalised");
+  expectRefusal("# units=furlongs\ntime,x,y\n0,1,1\n", "expected px, deg, normalised or relative");
   expectRefusal("# screen_width_px=1e9\ntime,x,y\n", ":1: screen_width_px = \"1e9\"");
 }
 

@@ -1,0 +1,71 @@
+#include "app/record/quality_json.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+nlohmann::ordered_json orNull(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+std::string orAbsentText(const std::optional<double>& value, int digits) {
+  return value ? decimal(*value, digits) : "n/a";
+}
+
+}  // namespace
+
+nlohmann::ordered_json toJson(const RecordingQuality& quality) {
+  nlohmann::ordered_json json = {{"rate_Hz", quality.rate_Hz},
+                                 {"jitter_s", quality.jitter_s},
+                                 {"lost", quality.lost},
+                                 {"longest_gap_s", quality.longest_gap_s},
+                                 {"rms_s2s_deg", orNull(quality.rms_s2s_deg)},
+                                 {"sd_deg", orNull(quality.sd_deg)},
+                                 {"unjudged", quality.unjudged},
+                                 {"main_sequence", nullptr}};
+  if (const auto& fit = quality.main_sequence) {
+    json["main_sequence"] = {{"saccades", fit->saccades},
+                             {"at_1_deg_deg_s", fit->at_1_deg_deg_s},
+                             {"exponent", fit->exponent}};
+  }
+  return json;
+}
+
+std::string qualityText(const RecordingQuality& quality) {
+  std::string text = "quality: jitter " + decimal(1e3 * quality.jitter_s, 2) + " ms, lost " +
+                     decimal(100.0 * quality.lost, 1) + " %, longest gap " +
+                     decimal(quality.longest_gap_s, 3) + " s, unjudged " +
+                     decimal(100.0 * quality.unjudged, 1) + " %\nnoise in fixations: RMS-S2S " +
+                     orAbsentText(quality.rms_s2s_deg, 3) + " deg, SD " +
+                     orAbsentText(quality.sd_deg, 3) + " deg; main sequence: ";
+  if (const auto& fit = quality.main_sequence) {
+    return text + decimal(fit->at_1_deg_deg_s, 0) + " deg/s at 1 deg, exponent " +
+           decimal(fit->exponent, 2) + '\n';
+  }
+  return text + "n/a\n";
+}
+
+std::vector<std::string> eventWarnings(const GazeTrace& trace, const EventLabels& labels,
+                                       const RecordingQuality& quality,
+                                       const EventSettings& settings) {
+  std::vector<std::string> warnings = labels.warnings;
+  const auto of_range = rangeWarnings(quality, settings);
+  warnings.insert(warnings.end(), of_range.begin(), of_range.end());
+  const bool headless =
+      trace.field && std::none_of(trace.samples.begin(), trace.samples.end(),
+                                  [](const GazeSample& sample) { return sample.head; });
+  if (headless) {
+    warnings.push_back(
+        judgesPursuit(trace, settings)
+            ? "events: there are no head poses, so turns of the head count as pursuit"
+            : "events: there are no head poses, and turns of the head look like "
+              "pursuit: pursuit counts as fixation unless gaze.pursuit = true");
+  }
+  return warnings;
+}
+
+}  // namespace foci

@@ -1,0 +1,174 @@
+#include "gaze/events/event_model.h"
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/input_error.h"
+#include "gaze/events/gaze_features.h"
+#include "gaze/events/pursuit_features.h"
+
+namespace foci {
+namespace {
+
+constexpr std::string_view kMagic = "foci event model ";
+constexpr std::size_t kMaxBytes = 1 << 24;
+
+nlohmann::ordered_json jsonOf(const BoostedTrees& trees) {
+  return {{"classes", trees.classes},
+          {"features", trees.features},
+          {"depth", trees.depth},
+          {"trees", trees.trees()}};
+}
+
+template <typename T>
+void append(std::string& bytes, const std::vector<T>& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+}
+
+/// Takes arrays from the front of the bytes.
+class Unpacker {
+ public:
+  Unpacker(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+
+  template <typename T>
+  void take(std::vector<T>& values, std::size_t count) {
+    if (count * sizeof(T) > bytes_.size()) throw damaged("the file is too short");
+    values.resize(count);
+    std::memcpy(values.data(), bytes_.data(), count * sizeof(T));
+    bytes_.remove_prefix(count * sizeof(T));
+  }
+
+  /// @param features, classes  as the detector needs them
+  BoostedTrees trees(const nlohmann::json& json, std::size_t features, std::size_t classes) {
+    constexpr std::size_t kMaxDepth = 8, kMaxTrees = 4096;
+    BoostedTrees trees{.classes = json.at("classes").get<std::size_t>(),
+                       .features = json.at("features").get<std::size_t>(),
+                       .depth = json.at("depth").get<std::size_t>()};
+    const auto count = json.at("trees").get<std::size_t>();
+    if (trees.classes != classes || trees.features != features || trees.depth > kMaxDepth ||
+        count > kMaxTrees || count % classes != 0) {
+      throw damaged("unexpected size of its trees");
+    }
+    take(trees.priors, classes);
+    take(trees.edges, features * (BoostedTrees::kBins - 1));
+    take(trees.nodes, count * ((std::size_t{1} << trees.depth) - 1));
+    take(trees.leaves, count << trees.depth);
+    for (const BoostedTrees::Node& node : trees.nodes) {
+      const bool splits = node.bin != BoostedTrees::kNoSplit;
+      if (splits && (node.bin + 1U >= BoostedTrees::kBins || node.feature >= features)) {
+        throw damaged("a tree asks for a feature that does not exist");
+      }
+    }
+    for (const float prior : trees.priors) {
+      if (!(prior > 0.0F && prior <= 1.0F)) throw damaged("a share of a class is not in 0 to 1");
+    }
+    return trees;
+  }
+
+  void finish() const {
+    if (!bytes_.empty()) throw damaged("the file is too long");
+  }
+
+  InputError damaged(const std::string& why) const {
+    return {name_, "damaged event model: " + why + "; train it again (foci_train_events)"};
+  }
+
+ private:
+  std::string_view bytes_;
+  const std::string& name_;
+};
+
+}  // namespace
+
+std::string packedModel(const EventModel& model) {
+  nlohmann::ordered_json json = {{"revision", model.revision}, {"seed", model.seed}};
+  for (const ModelSet& set : model.sets) {
+    json["sets"].push_back({{"name", set.name},
+                            {"files", set.files},
+                            {"sha256", set.sha256},
+                            {"licence", set.licence},
+                            {"source", set.source}});
+  }
+  json["rate_Hz"] = {model.rate_Hz.least, model.rate_Hz.greatest};
+  json["noise_deg"] = {model.noise_deg.least, model.noise_deg.greatest};
+  json["switch_s"] = {model.motion_switch_s, model.oscillation_switch_s, model.pursuit_switch_s};
+  for (const ModelLevel& level : model.levels) {
+    auto knots = nlohmann::ordered_json::array();
+    for (const CalibrationKnot& knot : level.calibration) {
+      knots.push_back({knot.stated, knot.right});
+    }
+    json["levels"].push_back({{"ahead_s", level.ahead_s},
+                              {"calibration", knots},
+                              {"motion", jsonOf(level.motion)},
+                              {"oscillation", jsonOf(level.oscillation)},
+                              {"pursuit", jsonOf(level.pursuit)}});
+  }
+  std::string bytes =
+      std::string(kMagic) + std::to_string(EventModel::kFormat) + '\n' + json.dump() + '\n';
+  for (const ModelLevel& level : model.levels) {
+    for (const BoostedTrees* trees : {&level.motion, &level.oscillation, &level.pursuit}) {
+      append(bytes, trees->priors);
+      append(bytes, trees->edges);
+      append(bytes, trees->nodes);
+      append(bytes, trees->leaves);
+    }
+  }
+  return bytes;
+}
+
+EventModel unpackModel(std::string_view bytes, const std::string& name) {
+  const auto line = [&] {
+    const std::size_t end = std::min(bytes.find('\n'), bytes.size());
+    const std::string_view text = bytes.substr(0, end);
+    bytes.remove_prefix(std::min(end + 1, bytes.size()));
+    return text;
+  };
+  if (!bytes.starts_with(kMagic) || bytes.size() > kMaxBytes) {
+    throw InputError(name, "no event model: expected a file of foci_train_events");
+  }
+  const std::string version(line().substr(kMagic.size()));
+  if (version != std::to_string(EventModel::kFormat)) {
+    throw InputError(name, "event model of version " + version + ": expected version " +
+                               std::to_string(EventModel::kFormat) +
+                               "; train it again (foci_train_events)");
+  }
+  const std::string_view header = line();
+  Unpacker unpacker(bytes, name);
+  try {
+    const auto json = nlohmann::json::parse(header);
+    EventModel model{.revision = json.at("revision").get<int>(),
+                     .seed = json.at("seed").get<unsigned>()};
+    for (const auto& set : json.at("sets")) {
+      model.sets.push_back({.name = set.at("name").get<std::string>(),
+                            .licence = set.at("licence").get<std::string>(),
+                            .source = set.at("source").get<std::string>(),
+                            .sha256 = set.at("sha256").get<std::string>(),
+                            .files = set.at("files").get<int>()});
+    }
+    const auto range = [&](const char* key) {
+      return ModelRange{json.at(key).at(0).get<double>(), json.at(key).at(1).get<double>()};
+    };
+    model.rate_Hz = range("rate_Hz");
+    model.noise_deg = range("noise_deg");
+    model.motion_switch_s = json.at("switch_s").at(0).get<double>();
+    model.oscillation_switch_s = json.at("switch_s").at(1).get<double>();
+    model.pursuit_switch_s = json.at("switch_s").at(2).get<double>();
+    for (const auto& each : json.at("levels")) {
+      ModelLevel level{.ahead_s = each.at("ahead_s").get<double>()};
+      for (const auto& knot : each.at("calibration")) {
+        level.calibration.push_back({knot.at(0).get<double>(), knot.at(1).get<double>()});
+      }
+      level.motion = unpacker.trees(each.at("motion"), kGazeFeatures, 3);
+      level.oscillation = unpacker.trees(each.at("oscillation"), kGazeFeatures, 2);
+      level.pursuit = unpacker.trees(each.at("pursuit"), kPursuitFeatures, 2);
+      model.levels.push_back(std::move(level));
+    }
+    unpacker.finish();
+    if (model.levels.empty()) throw unpacker.damaged("it has no trees");
+    return model;
+  } catch (const nlohmann::json::exception&) {
+    throw unpacker.damaged("its header is not complete");
+  }
+}
+
+}  // namespace foci

@@ -1,0 +1,67 @@
+// The trained detector's model: its trees, and where they come from.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gaze/events/boosted_trees.h"
+
+namespace foci {
+
+/// A data set that the model was trained on.
+struct ModelSet {
+  std::string name, licence, source;
+  std::string sha256;  ///< of the files' SHA-256, in order of their paths
+  int files = 0;
+};
+
+/// Least and greatest value in the training, between which a recording is familiar.
+struct ModelRange {
+  double least = 0.0, greatest = 0.0;
+};
+
+/// A point of the curve from a label's probability by the trees to the share of such labels that
+/// were right on data sets left out.
+struct CalibrationKnot {
+  double stated = 0.0, right = 0.0;
+};
+
+/// The trees for one lookahead.
+struct ModelLevel {
+  double ahead_s = 0.0;                        ///< features look ahead so far
+  BoostedTrees motion{};                       ///< classes of `Motion`
+  BoostedTrees oscillation{};                  ///< of a moving eye: saccade, oscillation
+  BoostedTrees pursuit{};                      ///< of stable gaze: fixation, pursuit
+  std::vector<CalibrationKnot> calibration{};  ///< ascending
+};
+
+/// What the first trees tell apart.
+enum class Motion { stable, moving, gone };
+
+struct EventModel {
+  static constexpr int kFormat = 1;  ///< version of features and file; another is refused
+
+  int revision = 0;  ///< counts the trainings that were published
+  unsigned seed = 0;
+  std::vector<ModelSet> sets{};
+  ModelRange rate_Hz{}, noise_deg{};
+  double motion_switch_s = 0.0;       ///< cost of a change of the motion, `viterbi.h`
+  double oscillation_switch_s = 0.0;  ///< from saccade to oscillation and back
+  double pursuit_switch_s = 0.0;      ///< from fixation to pursuit and back
+  std::vector<ModelLevel>
+      levels{};  ///< online by `ahead_s`, ascending; then the offline detector's
+};
+
+/// A model file: a line "foci event model FORMAT", a line of JSON, and the trees.
+std::string packedModel(const EventModel& model);
+
+/// @param name  for the error
+/// @throws InputError if it is no model, of another version or damaged
+EventModel unpackModel(std::string_view bytes, const std::string& name);
+
+/// The model that is part of the library. It is unpacked at the first call.
+const EventModel& builtinEventModel();
+
+}  // namespace foci

@@ -1,0 +1,445 @@
+#include "gaze/events/trained_events.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "gaze/geometry/head_frame.h"
+#include "gaze/geometry/line_of_sight.h"
+
+namespace foci {
+namespace {
+
+constexpr double kOnlineNoise_s = 3.0;        // the noise is that of so long a time before
+constexpr double kOfflineNoise_s = 6.0;       // and of half of it on both sides
+constexpr double kMinOscillation_Hz = 100.0;  // below, an oscillation has two samples at most
+
+std::size_t indexOf(Motion motion) { return static_cast<std::size_t>(motion); }
+
+double probabilityOfSecond(const BoostedTrees& trees, std::span<const float> features) {
+  std::array<double, 2> both{};
+  trees.probabilities(features, both);
+  return both[1];
+}
+
+/// The share of labels with this probability that are right.
+double calibrated(double stated, const std::vector<CalibrationKnot>& knots) {
+  if (knots.empty()) return stated;
+  const auto after = std::find_if(knots.begin(), knots.end(), [&](const CalibrationKnot& knot) {
+    return knot.stated >= stated;
+  });
+  if (after == knots.begin()) return after->right;
+  if (after == knots.end()) return knots.back().right;
+  const CalibrationKnot &a = *(after - 1), &b = *after;
+  return a.right + (b.right - a.right) * (stated - a.stated) / (b.stated - a.stated);
+}
+
+/// A label with the probabilities of all states.
+/// @param gone  of blink and lost, the one that applies here
+SampleLabel labelOf(GazeState state, GazeState gone, const std::array<double, 3>& motion,
+                    double oscillation, double pursuit, const std::vector<CalibrationKnot>& knots) {
+  SampleLabel label{.state = state};
+  const auto of = [&](GazeState each) -> double& {
+    return label.probabilities[static_cast<std::size_t>(each)];
+  };
+  of(GazeState::fixation) = motion[0] * (1.0 - pursuit);
+  of(GazeState::pursuit) = motion[0] * pursuit;
+  of(GazeState::saccade) = motion[1] * (1.0 - oscillation);
+  of(GazeState::oscillation) = motion[1] * oscillation;
+  of(gone) = motion[2];
+  const double stated = of(state), right = calibrated(stated, knots);
+  if (stated > 1.0 - 1e-9) return label;  // known without the trees (`setGone`)
+  for (double& each : label.probabilities) each *= (1.0 - right) / (1.0 - stated);
+  of(state) = right;
+  return label;
+}
+
+/// Lookahead of the features: the largest level within the delay.
+const ModelLevel& levelFor(const EventModel& model, double delay_s) {
+  std::size_t best = 0;  // the last level is the offline detector's
+  for (std::size_t i = 0; i + 1 < model.levels.size(); ++i) {
+    if (model.levels[i].ahead_s <= delay_s + 1e-6) best = i;
+  }
+  return model.levels[best];
+}
+
+std::size_t samplesWithin(double span_s, double rate_Hz) {
+  constexpr double kRounding = 1e-6;  // samples; keeps a span of n intervals at n samples
+  return static_cast<std::size_t>(span_s * rate_Hz + kRounding);
+}
+
+/// What certain knowledge leaves of the first step: the tracker reports a blink, or gaze is missing
+/// for too long to be bridged.
+void setGone(std::array<double, 3>& motion) { motion = {0.0, 0.0, 1.0}; }
+
+}  // namespace
+
+TrainedEvents::TrainedEvents(double rate_Hz, const EventSettings& settings, const EventModel& model)
+    : rate_Hz_(rate_Hz),
+      settings_(settings),
+      level_(&levelFor(model, settings.delay_s)),
+      delay_(samplesWithin(settings.delay_s, rate_Hz)),
+      feature_delay_(std::min(samplesWithin(level_->ahead_s, rate_Hz), delay_)),
+      features_(rate_Hz, kOnlineNoise_s),
+      motion_path_(model.motion_switch_s),
+      oscillation_path_(model.oscillation_switch_s),
+      pursuit_path_(model.pursuit_switch_s) {}
+
+std::optional<SampleLabel> TrainedEvents::push(const GazeSample& sample, const TimedSight& sight,
+                                               const std::optional<glm::dvec3>& in_head) {
+  Pending next{.sight = sight, .blink = sample.blink, .step_s = 1.0 / rate_Hz_};
+  if (newest_s_) next.step_s = std::min(sight.time_s - *newest_s_, 2.5 / rate_Hz_);
+  newest_s_ = sight.time_s;
+  if (sight.direction) {
+    last_present_s_ = sight.time_s;
+  } else {
+    next.missing_s = last_present_s_ ? sight.time_s - *last_present_s_ : 1e9;
+  }
+  pending_.push_back(next);
+  features_.push(sight, in_head);
+  if (pending_.size() > feature_delay_ + judged_) {
+    judgeMotion(pending_[judged_], labelled_ + judged_);
+    ++judged_;
+  }
+  return pending_.size() > delay_ ? std::optional(settle()) : std::nullopt;
+}
+
+std::optional<SampleLabel> TrainedEvents::settleNext() {
+  if (pending_.empty()) return std::nullopt;
+  if (judged_ < pending_.size()) {
+    judgeMotion(pending_[judged_], labelled_ + judged_);
+    ++judged_;
+  }
+  return settle();
+}
+
+void TrainedEvents::judgeMotion(Pending& pending, std::size_t sample) {
+  const GazeFeatureVector features =
+      features_.of(sample, std::min(level_->ahead_s, settings_.delay_s));
+  level_->motion.probabilities(features, pending.motion);
+  if (pending.blink || pending.missing_s > settings_.max_gap_s) setGone(pending.motion);
+  if (rate_Hz_ >= kMinOscillation_Hz && pending.motion[1] > 0.05) {
+    pending.oscillation = probabilityOfSecond(level_->oscillation, features);
+  }
+  pending.from = motion_path_.push(pending.motion, pending.step_s);
+}
+
+/// The state of the oldest sample on the most likely path.
+std::size_t TrainedEvents::motionOfOldest() const {
+  std::size_t state = motion_path_.bestState();
+  for (std::size_t i = judged_; i-- > 1;) state = pending_[i].from[state];
+  return state;
+}
+
+SampleLabel TrainedEvents::settle() {
+  const auto motion = static_cast<Motion>(motionOfOldest());
+  const Pending& now = pending_.front();
+  const bool begins = motion != motion_;
+  GazeState state = GazeState::fixation, gone = GazeState::blink;
+  double pursuit = 0.0;
+  if (!now.blink && now.missing_s > settings_.max_blink_s) gone = GazeState::lost;
+  if (motion == Motion::moving) {
+    if (begins) oscillation_path_.restartIn(0);
+    const double q = now.oscillation;
+    oscillation_path_.push({1.0 - q, q}, now.step_s);
+    state = oscillation_path_.bestState() == 1 ? GazeState::oscillation : GazeState::saccade;
+  } else if (motion == Motion::gone) {
+    state = gone;
+  }
+  const bool broken = now.step_s >= 2.5 / rate_Hz_;
+  if (motion != Motion::stable || broken) {
+    if (stable_.count() >= 3.0) {
+      before_that_ = before_;
+      before_ = stable_;
+    }
+    stable_ = {};
+    near_.clear();
+  }
+  if (motion == Motion::stable) {
+    if (now.sight.direction) {
+      stable_.add(now.sight.time_s, *now.sight.direction);
+      near_.push_back(now.sight);
+      while (now.sight.time_s - near_.front().time_s > kPursuitWindow_s) near_.pop_front();
+    }
+    if (settings_.pursuit.value_or(true)) {
+      pursuit = pursuitOf(now);
+      pursuit_path_.push({1.0 - pursuit, pursuit}, now.step_s);
+      if (pursuit_path_.bestState() == 1) state = GazeState::pursuit;
+    }
+  } else if (motion == Motion::gone) {
+    pursuit_path_.restart();
+  }
+  motion_ = motion;
+  const SampleLabel label =
+      labelOf(state, gone, now.motion, now.oscillation, pursuit, level_->calibration);
+  pending_.pop_front();
+  --judged_;
+  ++labelled_;
+  return label;
+}
+
+/// The probability of pursuit, given that gaze is stable.
+double TrainedEvents::pursuitOf(const Pending& now) {
+  if (stable_.count() < 3.0) return 0.3;
+  StableContext context{.whole = &stable_,
+                        .near = {},
+                        .time_s = now.sight.time_s,
+                        .noise_deg = features_.noise_deg()};
+  const std::vector<TimedSight> near(near_.begin(), near_.end());
+  context.near = near;
+  if (before_.count() > 0.0 && stable_.first_s() - before_.newest_s() <= kNeighbour_s) {
+    context.before = &before_;
+    if (before_.first_s() - before_that_.newest_s() <= kNeighbour_s) {
+      context.before_that = &before_that_;
+    }
+  }
+  const PursuitFeatureVector features = pursuitFeatures(context);
+  if (take_pursuit_) take_pursuit_(labelled_, features);
+  return probabilityOfSecond(level_->pursuit, features);
+}
+
+namespace {
+
+/// The samples of a complete recording on their way to labels.
+class WholeRecording {
+ public:
+  WholeRecording(const GazeTrace& trace, const Screen& screen, const EventSettings& settings,
+                 const EventModel& model)
+      : trace_(trace),
+        settings_(settings),
+        model_(model),
+        level_(model.levels.back()),
+        count_(trace.samples.size()) {
+    for (const GazeSample& sample : trace.samples) {
+      sights_.push_back({sample.time_s, sightInWorld(sample, screen)});
+    }
+    judgeMotion(screen);
+    findPath();
+  }
+
+  std::vector<SampleLabel> label(const TakePursuit& take_pursuit) {
+    std::vector<GazeState> states(count_, GazeState::fixation), gone(count_, GazeState::blink);
+    std::vector<double> pursuit(count_, 0.0);
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (missing_s_[i] > settings_.max_blink_s && !trace_.samples[i].blink) {
+        gone[i] = GazeState::lost;
+      }
+      if (motion_[i] == indexOf(Motion::gone)) states[i] = gone[i];
+    }
+    labelMoving(states);
+    if (settings_.pursuit.value_or(true)) labelPursuit(states, pursuit, take_pursuit);
+    std::vector<SampleLabel> labels;
+    for (std::size_t i = 0; i < count_; ++i) {
+      labels.push_back(labelOf(states[i], gone[i], probabilities_[i], oscillation_[i], pursuit[i],
+                               level_.calibration));
+    }
+    return labels;
+  }
+
+  /// Calls `take` for each sample of stable gaze whose pursuit can be judged.
+  void forStableGaze(const TakePursuit& take) const {
+    std::vector<std::pair<std::size_t, std::size_t>> spans;  // [first, end)
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (motion_[i] != indexOf(Motion::stable)) continue;
+      const bool follows = i > 0 && motion_[i - 1] == motion_[i] && !isBroken(i);
+      if (!follows) spans.emplace_back(i, i);
+      spans.back().second = i + 1;
+    }
+    std::vector<DriftLine> lines;
+    std::vector<std::size_t> of_line;
+    for (std::size_t s = 0; s < spans.size(); ++s) {
+      DriftLine line;
+      for (std::size_t i = spans[s].first; i < spans[s].second; ++i) {
+        if (sights_[i].direction) line.add(sights_[i].time_s, *sights_[i].direction);
+      }
+      if (line.count() < 3.0) continue;
+      lines.push_back(line);
+      of_line.push_back(s);
+    }
+    const auto neighbour = [&](std::size_t a, std::size_t b) -> const DriftLine* {
+      // From line a to its later neighbour b, or back.
+      if (b >= lines.size()) return nullptr;
+      const double apart_s = a < b ? lines[b].first_s() - lines[a].newest_s()
+                                   : lines[a].first_s() - lines[b].newest_s();
+      return apart_s <= kNeighbour_s ? &lines[b] : nullptr;
+    };
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const auto [first, end] = spans[of_line[k]];
+      StableContext context{.whole = &lines[k], .near = {}, .centred = true};
+      context.before = neighbour(k, k - 1);
+      if (context.before) context.before_that = neighbour(k - 1, k - 2);
+      context.after = neighbour(k, k + 1);
+      std::size_t from = first, until = first;
+      for (std::size_t i = first; i < end; ++i) {
+        while (sights_[i].time_s - sights_[from].time_s > 0.5 * kPursuitWindow_s + 1e-5) ++from;
+        while (until < end &&
+               sights_[until].time_s - sights_[i].time_s <= 0.5 * kPursuitWindow_s + 1e-5) {
+          ++until;
+        }
+        context.near = std::span(sights_).subspan(from, until - from);
+        context.time_s = sights_[i].time_s;
+        context.noise_deg = noise_deg_[i];
+        take(i, pursuitFeatures(context));
+      }
+    }
+  }
+
+ private:
+  void judgeMotion(const Screen& screen) {
+    GazeFeatures features(trace_.rate_Hz, kOfflineNoise_s);
+    std::size_t next = 0;
+    const auto judgeNext = [&] {
+      const GazeFeatureVector values =
+          features.of(next, offlineAhead_s(level_.ahead_s, trace_.rate_Hz));
+      std::array<double, 3> motion{};
+      level_.motion.probabilities(values, motion);
+      probabilities_.push_back(motion);
+      noise_deg_.push_back(features.noise_deg());
+      oscillation_.push_back(trace_.rate_Hz >= kMinOscillation_Hz && motion[1] > 0.05
+                                 ? probabilityOfSecond(level_.oscillation, values)
+                                 : 0.0);
+      ++next;
+    };
+    for (std::size_t i = 0; i < count_; ++i) {
+      const auto& point = trace_.samples[i].point_px;
+      features.push(sights_[i], point ? std::optional(lineOfSight(screen, *point)) : std::nullopt);
+      while (next < i && sights_[i].time_s - sights_[next].time_s >= 0.5 * kOfflineNoise_s) {
+        judgeNext();
+      }
+    }
+    while (next < count_) judgeNext();
+
+    missing_s_.assign(count_, 0.0);
+    for (std::size_t i = 0; i < count_;) {
+      std::size_t end = i + 1;
+      if (!sights_[i].direction) {
+        while (end < count_ && !sights_[end].direction) ++end;
+        const double gap_s =
+            (end < count_ ? sights_[end].time_s : sights_[end - 1].time_s + 1.0 / trace_.rate_Hz) -
+            sights_[i].time_s;
+        std::fill(missing_s_.begin() + static_cast<std::ptrdiff_t>(i),
+                  missing_s_.begin() + static_cast<std::ptrdiff_t>(end), gap_s);
+      }
+      i = end;
+    }
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (trace_.samples[i].blink || missing_s_[i] > settings_.max_gap_s + 1e-9) {
+        setGone(probabilities_[i]);
+      }
+    }
+  }
+
+  bool isBroken(std::size_t i) const {
+    return i > 0 && sights_[i].time_s - sights_[i - 1].time_s >= 2.5 / trace_.rate_Hz;
+  }
+
+  double step_s(std::size_t i) const {
+    return i == 0 ? 1.0 / trace_.rate_Hz
+                  : std::min(sights_[i].time_s - sights_[i - 1].time_s, 2.5 / trace_.rate_Hz);
+  }
+
+  void findPath() {
+    ViterbiPath<3> path(model_.motion_switch_s);
+    std::vector<ViterbiPath<3>::From> from(count_);
+    for (std::size_t i = 0; i < count_; ++i) from[i] = path.push(probabilities_[i], step_s(i));
+    motion_.resize(count_);
+    std::size_t state = path.bestState();
+    for (std::size_t i = count_; i-- > 0;) {
+      motion_[i] = state;
+      state = from[i][state];
+    }
+  }
+
+  void labelMoving(std::vector<GazeState>& states) const {
+    for (std::size_t i = 0; i < count_;) {
+      if (motion_[i] != indexOf(Motion::moving)) {
+        ++i;
+        continue;
+      }
+      const std::size_t first = i;
+      ViterbiPath<2> path(model_.oscillation_switch_s);
+      path.restartIn(0);
+      std::vector<ViterbiPath<2>::From> from;
+      for (; i < count_ && motion_[i] == indexOf(Motion::moving); ++i) {
+        from.push_back(path.push({1.0 - oscillation_[i], oscillation_[i]}, step_s(i)));
+      }
+      std::size_t state = path.bestState();
+      for (std::size_t j = i; j-- > first;) {
+        states[j] = state == 1 ? GazeState::oscillation : GazeState::saccade;
+        state = from[j - first][state];
+      }
+    }
+  }
+
+  void labelPursuit(std::vector<GazeState>& states, std::vector<double>& pursuit,
+                    const TakePursuit& take_pursuit) const {
+    constexpr double kPriorPursuit = 0.3;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (motion_[i] == indexOf(Motion::stable)) pursuit[i] = kPriorPursuit;
+    }
+    forStableGaze([&](std::size_t i, const PursuitFeatureVector& features) {
+      if (take_pursuit) take_pursuit(i, features);
+      pursuit[i] = probabilityOfSecond(level_.pursuit, features);
+    });
+    ViterbiPath<2> path(model_.pursuit_switch_s);
+    std::vector<ViterbiPath<2>::From> from(count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      from[i] = {0, 1};
+      if (motion_[i] == indexOf(Motion::gone)) {
+        // What comes is not bound to what was: both states lead back to the likelier one.
+        const auto best = static_cast<std::uint8_t>(path.bestState());
+        from[i] = {best, best};
+        path.restart();
+      } else if (motion_[i] == indexOf(Motion::stable)) {
+        from[i] = path.push({1.0 - pursuit[i], pursuit[i]}, step_s(i));
+      }
+    }
+    std::size_t state = path.bestState();
+    for (std::size_t i = count_; i-- > 0;) {
+      if (motion_[i] == indexOf(Motion::stable) && state == 1) states[i] = GazeState::pursuit;
+      state = from[i][state];
+    }
+  }
+
+  const GazeTrace& trace_;
+  const EventSettings& settings_;
+  const EventModel& model_;
+  const ModelLevel& level_;
+  std::size_t count_;
+  std::vector<TimedSight> sights_{};
+  std::vector<std::array<double, 3>> probabilities_{};
+  std::vector<double> oscillation_{}, noise_deg_{}, missing_s_{};
+  std::vector<std::size_t> motion_{};
+};
+
+}  // namespace
+
+double offlineAhead_s(double ahead_s, double rate_Hz) {
+  constexpr double kMinAhead = 3.0;  // samples
+  return std::min(std::max(ahead_s, kMinAhead / rate_Hz), kMaxAhead_s);
+}
+
+std::vector<SampleLabel> labelTrained(const GazeTrace& trace, const Screen& screen,
+                                      const EventSettings& settings, const EventModel& model,
+                                      const TakePursuit& take) {
+  return WholeRecording(trace, screen, settings, model).label(take);
+}
+
+std::vector<SampleLabel> labelTrainedOnline(const GazeTrace& trace, const Screen& screen,
+                                            const EventSettings& settings, const EventModel& model,
+                                            const TakePursuit& take) {
+  TrainedEvents events(trace.rate_Hz, settings, model);
+  events.onPursuit(take);
+  std::vector<SampleLabel> labels;
+  labels.reserve(trace.samples.size());
+  for (const GazeSample& sample : trace.samples) {
+    const auto in_head =
+        sample.point_px ? std::optional(lineOfSight(screen, *sample.point_px)) : std::nullopt;
+    const auto label = events.push(sample, {sample.time_s, sightInWorld(sample, screen)}, in_head);
+    if (label) labels.push_back(*label);
+  }
+  while (labels.size() < trace.samples.size()) labels.push_back(*events.settleNext());
+  return labels;
+}
+
+}  // namespace foci
