@@ -164,7 +164,7 @@ EventModel unpackModel(std::string_view bytes, const std::string& name) {
       model.levels.push_back(std::move(level));
     }
     unpacker.finish();
-    if (model.levels.empty()) throw unpacker.damaged("it has no trees");
+    if (model.levels.size() < 2) throw unpacker.damaged("it has no trees");
     return model;
   } catch (const nlohmann::json::exception&) {
     throw unpacker.damaged("its header is not complete");

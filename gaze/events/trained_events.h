@@ -86,7 +86,7 @@ class TrainedEvents {
 /// they could see, they learn the habits of the coders, and sets left out agree less.
 double offlineAhead_s(double ahead_s, double rate_Hz);
 
-/// The labels of a complete recording. The most likely path through all of its samples.
+/// The labels of a complete recording.
 /// @param take  may be empty
 std::vector<SampleLabel> labelTrained(const GazeTrace& trace, const Screen& screen,
                                       const EventSettings& settings, const EventModel& model,

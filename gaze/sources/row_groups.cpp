@@ -23,6 +23,9 @@ constexpr std::size_t kMinPlaces = 100;  // fewer show no groups
 constexpr double kAlternates = 0.3;      // share of rows whose value is not that before
 constexpr double kFarApart = 5.0;        // times the distance within a group
 constexpr double kBetween = 1.5;         // usual intervals: no sample is lost in between
+// Samples have a clock: hardly any follows sooner than this share of the usual interval. Where
+// samples are lost at random, a third of those that are left does.
+constexpr double kSoon = 0.6, kMaxSoon = 0.2;
 
 constexpr std::string_view kPeople =
     "participant subject sub subj person user respondent observer player patient recording pid "
@@ -87,9 +90,9 @@ class Survey {
   const std::vector<Seen>& seen() const { return seen_; }
   const std::vector<std::size_t>& candidates() const { return candidates_; }
 
-  /// The usual interval between the rows that `isOf` picks.
+  /// The intervals between the rows that `isOf` picks.
   template <class IsOf>
-  std::optional<double> interval(const IsOf& isOf) const {
+  std::vector<double> intervals(const IsOf& isOf) const {
     std::vector<double> intervals;
     std::optional<double> before;
     for (const Seen& row : seen_) {
@@ -97,8 +100,24 @@ class Survey {
       if (before && *row.time > *before) intervals.push_back(*row.time - *before);
       before = row.time;
     }
-    if (intervals.empty()) return std::nullopt;
-    return quantile(intervals, 0.5);
+    return intervals;
+  }
+
+  /// The usual one of them.
+  template <class IsOf>
+  std::optional<double> interval(const IsOf& isOf) const {
+    auto all = intervals(isOf);
+    return all.empty() ? std::nullopt : std::optional(quantile(all, 0.5));
+  }
+
+  /// Whether the rows that `isOf` picks follow a clock of their own.
+  template <class IsOf>
+  bool areRegular(const IsOf& isOf) const {
+    auto all = intervals(isOf);
+    if (all.empty()) return true;
+    const double soon = kSoon * quantile(all, 0.5);
+    const auto count = std::ranges::count_if(all, [&](double each) { return each < soon; });
+    return static_cast<double>(count) <= kMaxSoon * static_cast<double>(all.size());
   }
 
  private:
@@ -280,8 +299,9 @@ class Grouper {
       before = row.time;
     }
     if (any_blank && any_lost) {
-      groups_.foreign_if_blank = true;
-    } else if (between >= kMinRuns && 3 * between >= runs) {
+      groups_.foreign_if_blank = survey_.areRegular([](const Seen& row) { return !row.is_blank; });
+    } else if (between >= kMinRuns && 3 * between >= runs &&
+               survey_.areRegular([](const Seen& row) { return row.has_gaze; })) {
       groups_.foreign_within = *usual;
     }
   }

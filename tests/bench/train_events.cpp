@@ -511,7 +511,7 @@ int run(const std::string& folder, const std::string& out, const std::string& js
   const auto recordings = readRecordings(folder);
   for (const LabelledRecording& recording : recordings) sourceOf(recording.set);
   const Trainer trainer(recordings);
-  const std::vector<std::size_t> validated = {1, kOffline};  // the default delay, and offline
+  const std::vector<std::size_t> validated = {1, 2, kOffline};  // the default delay, and offline
   nlohmann::ordered_json json;
   std::array<std::vector<CalibrationKnot>, 2> knots{};
   if (validate) {

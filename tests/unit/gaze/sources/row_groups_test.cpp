@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <string>
 
 #include "gaze/sources/trace_reader.h"
@@ -180,6 +181,27 @@ TEST(RowGroups, DataLossAloneIsNotSkipped) {
             "\n";
   }
   EXPECT_EQ(read(text).samples.size(), kSamples);
+}
+
+// Most samples are lost, at random: that is no other device, whose rows are left out.
+TEST(RowGroups, ScatteredDataLossIsLoss) {
+  for (const bool has_validity : {false, true}) {
+    for (const double kept : {0.05, 0.15, 0.3, 0.5}) {
+      std::string text = has_validity ? "time_s,x_px,y_px,validity\n" : "time_s,x_px,y_px\n";
+      std::mt19937 random(7);
+      for (int i = 0; i < 3 * kSamples; ++i) {
+        // 0 to 1, with the same bytes of each library
+        const double chance = static_cast<double>(random()) / 4294967296.0;
+        const bool lost = chance >= kept;
+        text += std::to_string(i / 500.0) + (lost ? ",," : "," + std::to_string(gazeX(i)) + ",300");
+        if (has_validity) text += lost ? (i % 50 == 0 ? ",0" : ",") : ",1";
+        text += "\n";
+      }
+      const GazeTrace trace = read(text);
+      EXPECT_EQ(trace.samples.size(), 3 * kSamples) << kept << has_validity;
+      EXPECT_NEAR(trace.rate_Hz, 500.0, 1.0);
+    }
+  }
 }
 
 TEST(RowGroups, NamesThatAreNotEnoughAreRefused) {
