@@ -9,7 +9,7 @@
 #include "gaze/events/event_labels.h"
 #include "gaze/events/published_detectors.h"
 #include "gaze/events/recording_quality.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 
 namespace foci {
 namespace {

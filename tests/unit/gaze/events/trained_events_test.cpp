@@ -15,7 +15,7 @@
 #include "gaze/events/recording_quality.h"
 #include "gaze/geometry/headset.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/simulator.h"
+#include "gaze/live/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/bench/boosting.h"
 #include "tests/unit/gaze/scratch.h"
