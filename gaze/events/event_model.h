@@ -51,7 +51,7 @@ struct EventModel {
   double oscillation_switch_s = 0.0;  ///< from saccade to oscillation and back
   double pursuit_switch_s = 0.0;      ///< from fixation to pursuit and back
   std::vector<ModelLevel>
-      levels{};  ///< online by `ahead_s`, ascending; then one for offline pursuit
+      levels{};  ///< online by `ahead_s`, ascending; then the offline detector's
 };
 
 /// A model file: a line "foci event model FORMAT", a line of JSON, and the trees.

@@ -10,9 +10,11 @@
 namespace foci {
 namespace {
 
-constexpr double kNoise_s = 3.0;  // the noise is that of so long a time before
-// On sets left out, later samples than these help some sets and harm others.
-constexpr double kOfflineAhead_s = 0.02;
+constexpr double kOnlineNoise_s = 3.0;   // the noise is that of so long a time before
+constexpr double kOfflineNoise_s = 6.0;  // and of half of it on both sides
+// Offline, a sample's motion is the end of the most likely path so long after it. Of 0, 2 and 5 ms
+// and the whole recording, chosen on sets left out.
+constexpr double kOfflineLag_s = 0.002;
 constexpr double kMinOscillation_Hz = 100.0;  // below, an oscillation has two samples at most
 
 std::size_t indexOf(Motion motion) { return static_cast<std::size_t>(motion); }
@@ -81,7 +83,7 @@ TrainedEvents::TrainedEvents(double rate_Hz, const EventSettings& settings, cons
       level_(&levelFor(model, settings.delay_s)),
       delay_(samplesWithin(settings.delay_s, rate_Hz)),
       feature_delay_(std::min(samplesWithin(level_->ahead_s, rate_Hz), delay_)),
-      features_(rate_Hz, kNoise_s),
+      features_(rate_Hz, kOnlineNoise_s),
       motion_path_(model.motion_switch_s),
       oscillation_path_(model.oscillation_switch_s),
       pursuit_path_(model.pursuit_switch_s) {}
@@ -209,7 +211,7 @@ class WholeRecording {
       : trace_(trace),
         settings_(settings),
         model_(model),
-        level_(levelFor(model, kOfflineAhead_s)),
+        level_(model.levels.back()),
         count_(trace.samples.size()) {
     for (const GazeSample& sample : trace.samples) {
       sights_.push_back({sample.time_s, sightInWorld(sample, screen)});
@@ -287,13 +289,18 @@ class WholeRecording {
 
  private:
   void judgeMotion(const Screen& screen) {
-    GazeFeatures features(trace_.rate_Hz, kNoise_s);
-    const std::size_t ahead = samplesWithin(level_.ahead_s, trace_.rate_Hz);
+    GazeFeatures features(trace_.rate_Hz, kOfflineNoise_s);
+    const ModelLevel& furthest = model_.levels[model_.levels.size() - 2];  // of those online
     std::size_t next = 0;
     const auto judgeNext = [&] {
-      const GazeFeatureVector values = features.of(next, level_.ahead_s);
-      std::array<double, 3> motion{};
+      // The mean of two lookaheads agrees better with coders than either.
+      std::array<double, 3> motion{}, further{};
+      const GazeFeatureVector values =
+          features.of(next, offlineAhead_s(level_.ahead_s, trace_.rate_Hz));
       level_.motion.probabilities(values, motion);
+      furthest.motion.probabilities(
+          features.of(next, offlineAhead_s(furthest.ahead_s, trace_.rate_Hz)), further);
+      for (std::size_t k = 0; k < 3; ++k) motion[k] = 0.5 * (motion[k] + further[k]);
       probabilities_.push_back(motion);
       noise_deg_.push_back(features.noise_deg());
       oscillation_.push_back(trace_.rate_Hz >= kMinOscillation_Hz && motion[1] > 0.05
@@ -304,7 +311,9 @@ class WholeRecording {
     for (std::size_t i = 0; i < count_; ++i) {
       const auto& point = trace_.samples[i].point_px;
       features.push(sights_[i], point ? std::optional(lineOfSight(screen, *point)) : std::nullopt);
-      if (i >= ahead) judgeNext();
+      while (next < i && sights_[i].time_s - sights_[next].time_s >= 0.5 * kOfflineNoise_s) {
+        judgeNext();
+      }
     }
     while (next < count_) judgeNext();
 
@@ -337,12 +346,16 @@ class WholeRecording {
                   : std::min(sights_[i].time_s - sights_[i - 1].time_s, 2.5 / trace_.rate_Hz);
   }
 
-  /// The end of the most likely path up to each sample, as online.
   void findPath() {
     ViterbiPath<3> path(model_.motion_switch_s);
-    for (std::size_t i = 0; i < count_; ++i) {
-      path.push(probabilities_[i], step_s(i));
-      motion_.push_back(path.bestState());
+    std::vector<ViterbiPath<3>::From> from;
+    const std::size_t lag = samplesWithin(kOfflineLag_s, trace_.rate_Hz);
+    for (std::size_t i = 0; i < count_ + lag; ++i) {
+      if (i < count_) from.push_back(path.push(probabilities_[i], step_s(i)));
+      if (i < lag) continue;
+      std::size_t state = path.bestState();
+      for (std::size_t j = from.size() - 1; j > i - lag; --j) state = from[j][state];
+      motion_.push_back(state);
     }
   }
 
@@ -375,7 +388,7 @@ class WholeRecording {
     }
     forStableGaze([&](std::size_t i, const PursuitFeatureVector& features) {
       if (take_pursuit) take_pursuit(i, features);
-      pursuit[i] = probabilityOfSecond(model_.levels.back().pursuit, features);
+      pursuit[i] = probabilityOfSecond(level_.pursuit, features);
     });
     ViterbiPath<2> path(model_.pursuit_switch_s);
     std::vector<ViterbiPath<2>::From> from(count_);

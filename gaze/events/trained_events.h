@@ -82,10 +82,11 @@ class TrainedEvents {
   TakePursuit take_pursuit_{};
 };
 
-/// How far the features of the model's last level look ahead: three samples or more.
+/// How far the features of the offline detector look ahead: three samples or more. With all that
+/// they could see, they learn the habits of the coders, and sets left out agree less.
 double offlineAhead_s(double ahead_s, double rate_Hz);
 
-/// The labels of a complete recording: motion as online with 20 ms, pursuit with what follows.
+/// The labels of a complete recording.
 /// @param take  may be empty
 std::vector<SampleLabel> labelTrained(const GazeTrace& trace, const Screen& screen,
                                       const EventSettings& settings, const EventModel& model,
