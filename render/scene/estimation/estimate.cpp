@@ -31,8 +31,9 @@ constexpr float kMaxLocalSpacings = 2.0f;     // neighbours' medians: strays bes
 constexpr float kMaxSpacings = 5.0f;          // medians of the cloud: strays far from everything
 constexpr float kMinSigma_m = 1e-9f;          // its fourth power is still a normal float
 constexpr int kQuickIterations = 8, kMeshIterations = 40;
-// More rounds make the sums no more even, of scans of a cube, a room and a rippled terrain.
-constexpr int kPointRounds = 10, kPointIterations = 20;
+// More make the sums no more even, of scans of a cube, a room and a rippled terrain. Fewer rounds
+// make those of coarse levels less even.
+constexpr int kPointRounds = 20, kPointIterations = 20;
 constexpr double kMaxOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the smallest eigenvalue, by cyclic Jacobi rotations (Golub and Van

@@ -144,6 +144,19 @@ TEST(RecordingQuality, IsThatOfTheSimulatedTracker) {
   EXPECT_GT(quality.main_sequence->saccades, 10);
 }
 
+TEST(RecordingQuality, HasNoStepsAcrossAPause) {
+  GazeTrace trace{.format = "test", .screen = kScreen, .rate_Hz = 500.0};
+  for (int i = 0; i < 400; ++i) {
+    GazeSample sample{.time_s = 0.002 * i + (i < 200 ? 0.0 : 3.0)};
+    sample.point_px = glm::dvec2(i < 200 ? 500.0 : 1500.0, 400.0);
+    trace.samples.push_back(sample);
+  }
+  const auto quality = qualityOf(
+      trace, kScreen, std::vector<GazeState>(trace.samples.size(), GazeState::fixation), {});
+  EXPECT_LT(*quality.rms_s2s_deg, 1e-6);
+  EXPECT_LT(*quality.sd_deg, 1e-6);
+}
+
 TEST(RangeWarnings, NameWhatTheTrainingDidNotHold) {
   RecordingQuality quality{.rate_Hz = 250.0};
   quality.rms_s2s_deg = 3.6;
