@@ -182,7 +182,7 @@ void detectEvents(const EventsOptions& options) {
                                     {"delay_s", delay_s},
                                     {"warnings", warnings.all()},
                                     {"quality", toJson(quality)}};
-  const std::string text = countsOf(labels.states, events, summary) + qualityText(quality);
+  const std::string text = countsOf(labels.states, events, summary) + qualityText(quality) + '\n';
   if (options.json) {
     std::puts(jsonText(summary).c_str());
     return;

@@ -39,14 +39,14 @@ std::string qualityText(const RecordingQuality& quality) {
   std::string text = "quality: jitter " + decimal(1e3 * quality.jitter_s, 2) + " ms, lost " +
                      decimal(100.0 * quality.lost, 1) + " %, longest gap " +
                      decimal(quality.longest_gap_s, 3) + " s, unjudged " +
-                     decimal(100.0 * quality.unjudged, 1) + " %\nnoise in fixations: RMS-S2S " +
+                     decimal(100.0 * quality.unjudged, 1) + " %; noise in fixations: RMS-S2S " +
                      orAbsentText(quality.rms_s2s_deg, 3) + " deg, SD " +
                      orAbsentText(quality.sd_deg, 3) + " deg; main sequence: ";
   if (const auto& fit = quality.main_sequence) {
     return text + decimal(fit->at_1_deg_deg_s, 0) + " deg/s at 1 deg, exponent " +
-           decimal(fit->exponent, 2) + '\n';
+           decimal(fit->exponent, 2);
   }
-  return text + "n/a\n";
+  return text + "n/a";
 }
 
 std::vector<std::string> eventWarnings(const GazeTrace& trace, const EventLabels& labels,

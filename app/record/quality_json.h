@@ -12,7 +12,7 @@ namespace foci {
 
 nlohmann::ordered_json toJson(const RecordingQuality& quality);
 
-/// Two lines.
+/// One line.
 std::string qualityText(const RecordingQuality& quality);
 
 /// Why stretches are `unjudged`, what lies outside of the training's range, and that turns of the

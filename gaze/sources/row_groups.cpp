@@ -25,7 +25,7 @@ constexpr double kFarApart = 5.0;        // times the distance within a group
 constexpr double kBetween = 1.5;         // usual intervals: no sample is lost in between
 // Samples have a clock: hardly any follows sooner than this share of the usual interval. Where
 // samples are lost at random, a third of those that are left does.
-constexpr double kSoon = 0.6, kMaxSoon = 0.2;
+constexpr double kSoon = 0.7, kMaxSoon = 0.2;
 
 constexpr std::string_view kPeople =
     "participant subject sub subj person user respondent observer player patient recording pid "
@@ -110,7 +110,14 @@ class Survey {
     return all.empty() ? std::nullopt : std::optional(quantile(all, 0.5));
   }
 
-  /// Whether the rows that `isOf` picks follow a clock of their own.
+  /// Whether the rows that `isOf` picks may follow a clock of their own: their intervals are
+  /// regular, or not even those of all rows are.
+  template <class IsOf>
+  bool mayHaveClock(const IsOf& isOf) const {
+    return areRegular(isOf) || !areRegular([](const Seen&) { return true; });
+  }
+
+ private:
   template <class IsOf>
   bool areRegular(const IsOf& isOf) const {
     auto all = intervals(isOf);
@@ -120,7 +127,6 @@ class Survey {
     return static_cast<double>(count) <= kMaxSoon * static_cast<double>(all.size());
   }
 
- private:
   std::optional<double> numberAt(std::size_t at) const {
     const auto number = rows_.number(at);
     return number || rows_.areNumbers() ? number : parseNumber(rows_.text(at));
@@ -299,9 +305,10 @@ class Grouper {
       before = row.time;
     }
     if (any_blank && any_lost) {
-      groups_.foreign_if_blank = survey_.areRegular([](const Seen& row) { return !row.is_blank; });
+      groups_.foreign_if_blank =
+          survey_.mayHaveClock([](const Seen& row) { return !row.is_blank; });
     } else if (between >= kMinRuns && 3 * between >= runs &&
-               survey_.areRegular([](const Seen& row) { return row.has_gaze; })) {
+               survey_.mayHaveClock([](const Seen& row) { return row.has_gaze; })) {
       groups_.foreign_within = *usual;
     }
   }
