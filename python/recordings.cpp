@@ -56,9 +56,8 @@ EventOptions eventOptions(const py::kwargs& keywords) {
       options.online = py::cast<bool>(value);
     } else if (name == "detector") {
       const auto word = py::cast<std::string>(value);
-      const auto found = std::find_if(kDetectors.begin(), kDetectors.end(),
-                                      [&](Detector each) { return word == nameOf(each); });
-      if (found == kDetectors.end()) {
+      const auto found = detectorNamed(word);
+      if (!found) {
         throw InputError("detector", shown(word) + ": expected trained, rules, ivt or idt");
       }
       settings.detector = *found;

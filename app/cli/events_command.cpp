@@ -125,10 +125,8 @@ TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
   if (description.columns.mapped_later) {
     throw InputError(options.study, "gaze.map: foci events applies no gaze map; expected none");
   }
-  if (!options.detector.empty()) {
-    for (const Detector detector : kDetectors) {
-      if (options.detector == nameOf(detector)) description.events.detector = detector;
-    }
+  if (const auto detector = detectorNamed(options.detector)) {
+    description.events.detector = *detector;
   }
   if (options.pursuit) description.events.pursuit = options.pursuit;
   return description;
@@ -352,12 +350,14 @@ void addEventsCommand(CLI::App& app) {
                          "  unjudged  the signal does not tell\n"
                          "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
   EventsOptions& o = *options;
+  std::vector<std::string> detectors;
+  for (const Detector detector : kDetectors) detectors.emplace_back(nameOf(detector));
   events->add_option("TRACE", o.traces, "gaze recording; several with --score, --compare-detectors")
       ->required();
   events
       ->add_option("--detector", o.detector,
                    "trained (default), rules, ivt or idt; overrides the study's gaze.detector")
-      ->check(CLI::IsMember({"trained", "rules", "ivt", "idt"}))
+      ->check(CLI::IsMember(detectors))
       ->type_name("NAME");
   events
       ->add_option("--pursuit", o.pursuit,

@@ -18,7 +18,7 @@ struct StudyWord {
   Enum value;
 };
 template <class Enum>
-StudyWord(const char*, Enum) -> StudyWord<Enum>;
+StudyWord(std::string_view, Enum) -> StudyWord<Enum>;
 
 /// The words of an enum, in the order in which messages list them.
 template <class Enum>
@@ -77,10 +77,10 @@ inline constexpr std::array kStudyWords<RenderDevice>{
 
 template <>
 inline constexpr std::array kStudyWords<Detector>{
-    StudyWord{"trained", Detector::trained},
-    StudyWord{"rules", Detector::rules},
-    StudyWord{"ivt", Detector::ivt},
-    StudyWord{"idt", Detector::idt},
+    StudyWord{nameOf(Detector::trained), Detector::trained},
+    StudyWord{nameOf(Detector::rules), Detector::rules},
+    StudyWord{nameOf(Detector::ivt), Detector::ivt},
+    StudyWord{nameOf(Detector::idt), Detector::idt},
 };
 
 /// Absent: the file says so itself.

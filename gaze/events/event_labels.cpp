@@ -71,20 +71,6 @@ void add(const std::vector<SampleLabel>& found, EventLabels& labels) {
 
 }  // namespace
 
-std::string_view nameOf(Detector detector) {
-  switch (detector) {
-    case Detector::trained:
-      return "trained";
-    case Detector::rules:
-      return "rules";
-    case Detector::ivt:
-      return "ivt";
-    case Detector::idt:
-      return "idt";
-  }
-  return "trained";
-}
-
 std::string versionOf(Detector detector) {
   return detector == Detector::trained ? std::to_string(builtinEventModel().revision)
                                        : kRulesVersion;

@@ -14,12 +14,6 @@
 
 namespace foci {
 
-inline constexpr std::array<Detector, 4> kDetectors = {Detector::trained, Detector::rules,
-                                                       Detector::ivt, Detector::idt};
-
-/// "trained", "rules", "ivt", "idt".
-std::string_view nameOf(Detector detector);
-
 /// Changes if labels change: "1", for `trained` that of its model.
 std::string versionOf(Detector detector);
 

@@ -1,7 +1,9 @@
 // Settings of the event detection.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string_view>
 
 #include "gaze/events/event_rules.h"
 
@@ -14,6 +16,24 @@ enum class Detector {
   ivt,      ///< a velocity threshold (Salvucci and Goldberg 2000, Olsen 2012)
   idt       ///< a dispersion threshold (Salvucci and Goldberg 2000)
 };
+
+inline constexpr std::array<Detector, 4> kDetectors = {Detector::trained, Detector::rules,
+                                                       Detector::ivt, Detector::idt};
+
+/// "trained", "rules", "ivt", "idt".
+constexpr std::string_view nameOf(Detector detector) {
+  constexpr std::array<std::string_view, kDetectors.size()> kNames = {"trained", "rules", "ivt",
+                                                                      "idt"};
+  return kNames[static_cast<std::size_t>(detector)];
+}
+
+/// Nothing for another name.
+constexpr std::optional<Detector> detectorNamed(std::string_view name) {
+  for (const Detector detector : kDetectors) {
+    if (nameOf(detector) == name) return detector;
+  }
+  return std::nullopt;
+}
 
 /// The velocity threshold is a minimum: in a noisy recording the detectors raise it with the noise.
 ///

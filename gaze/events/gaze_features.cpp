@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "gaze/events/sight_noise.h"
+
 namespace foci {
 namespace {
 
@@ -72,7 +74,7 @@ void GazeFeatures::push(const TimedSight& sight, const std::optional<glm::dvec3>
 /// Sums over the samples from the newest backwards; each scale's window holds the one before.
 void GazeFeatures::measureWindows() {
   Row& now = rows_.back();
-  const double longest_step_s = 2.5 / rate_Hz_;
+  const double longest_step_s = longestStep_s(rate_Hz_);
   double count = 0.0, time = 0.0, times = 0.0;
   glm::dvec3 sum{0.0}, product{0.0}, origin{0.0};
   double squares = 0.0;
@@ -121,7 +123,7 @@ void GazeFeatures::noteChanges() {
     const Window &a = now.windows[s], &b = rows_[before].windows[s];
     const bool known = now.direction && rows_[before].direction && a.count >= 2.0 &&
                        b.count >= 2.0 && before + 1 < rows_.size() &&
-                       now.time_s - rows_[before].time_s <= apart_s + 2.5 / rate_Hz_;
+                       now.time_s - rows_[before].time_s <= apart_s + longestStep_s(rate_Hz_);
     changes_deg_s_[s][changes_from_] =
         known ? static_cast<float>(glm::distance(a.velocity_deg_s, b.velocity_deg_s)) : -1.0F;
   }

@@ -1,16 +1,14 @@
 // Fixation or smooth pursuit: does gaze between two saccades stay in place or follow a target?
 #pragma once
 
-#include <glm/glm.hpp>
-
+#include "gaze/events/drift_line.h"
 #include "gaze/events/event_rules.h"
 
 namespace foci {
 
-/// Statistics of gaze between two saccades, gathered sample by sample.
-class StableGaze {
+/// Gaze between two saccades, gathered sample by sample.
+class StableGaze : public DriftLine {
  public:
-  void add(double time_s, const glm::dvec3& direction);
   void clear() { *this = {}; }
 
   /// Whether gaze moved too far for a fixation. With the default rules this is
@@ -28,23 +26,8 @@ class StableGaze {
   bool isPursuit(double noise_deg, const EventRules& rules, const StableGaze* before = nullptr,
                  const StableGaze* after = nullptr) const;
 
-  double newest_s() const { return newest_s_; }
-  double first_s() const { return first_s_; }
-  double count() const { return count_; }
-
  private:
   double evidence(double noise_deg, const EventRules& rules) const;
-  /// Least-squares slope of the directions over time, and its variance along each axis.
-  glm::dvec3 velocity_deg_s() const;
-  double variance_deg2_s2(double noise_deg) const;
-  double agreement(const StableGaze& other, double noise_deg, double still_deg_s) const;
-
-  double count_ = 0.0;
-  double first_s_ = 0.0, newest_s_ = 0.0;
-  glm::dvec3 first_{0.0}, newest_{0.0}, mean_{0.0};
-  double squares_ = 0.0;                    // sum of squared distances from the mean, rad^2
-  double mean_s_ = 0.0, squares_s2_ = 0.0;  // mean of the times, and their squares around it
-  glm::dvec3 products_{0.0};                // sum of the products of time and direction around it
 };
 
 }  // namespace foci

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "gaze/events/event_model.h"
 #include "gaze/events/online_events.h"
+#include "gaze/events/sight_noise.h"
 
 namespace foci {
 namespace {
@@ -57,8 +58,8 @@ void measureNoise(const GazeTrace& trace, const Screen& screen,
     last.reset();
   };
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const bool paused =
-        i > 0 && trace.samples[i].time_s - trace.samples[i - 1].time_s >= 2.5 / trace.rate_Hz;
+    const bool paused = i > 0 && trace.samples[i].time_s - trace.samples[i - 1].time_s >=
+                                     longestStep_s(trace.rate_Hz);
     if (paused) close();
     const auto sight = sightOf(trace.samples[i], screen).direction;
     if (states[i] != GazeState::fixation || !sight) {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "gaze/events/sight_noise.h"
 #include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
 
@@ -15,6 +16,7 @@ constexpr double kOfflineNoise_s = 6.0;  // and of half of it on both sides
 // Offline, a sample's motion is the end of the most likely path so long after it. Of 0, 2 and 5 ms
 // and the whole recording, chosen on sets left out.
 constexpr double kOfflineLag_s = 0.002;
+constexpr double kPriorPursuit = 0.3;         // where gaze is stable for too few samples
 constexpr double kMinOscillation_Hz = 100.0;  // below, an oscillation has two samples at most
 
 std::size_t indexOf(Motion motion) { return static_cast<std::size_t>(motion); }
@@ -91,7 +93,7 @@ TrainedEvents::TrainedEvents(double rate_Hz, const EventSettings& settings, cons
 std::optional<SampleLabel> TrainedEvents::push(const GazeSample& sample, const TimedSight& sight,
                                                const std::optional<glm::dvec3>& in_head) {
   Pending next{.sight = sight, .blink = sample.blink, .step_s = 1.0 / rate_Hz_};
-  if (newest_s_) next.step_s = std::min(sight.time_s - *newest_s_, 2.5 / rate_Hz_);
+  if (newest_s_) next.step_s = std::min(sight.time_s - *newest_s_, longestStep_s(rate_Hz_));
   newest_s_ = sight.time_s;
   if (sight.direction) {
     last_present_s_ = sight.time_s;
@@ -149,7 +151,7 @@ SampleLabel TrainedEvents::settle() {
   } else if (motion == Motion::gone) {
     state = gone;
   }
-  const bool broken = now.step_s >= 2.5 / rate_Hz_;
+  const bool broken = now.step_s >= longestStep_s(rate_Hz_);
   if (motion != Motion::stable || broken) {
     if (stable_.count() >= 3.0) {
       before_that_ = before_;
@@ -183,7 +185,7 @@ SampleLabel TrainedEvents::settle() {
 
 /// The probability of pursuit, given that gaze is stable.
 double TrainedEvents::pursuitOf(const Pending& now) {
-  if (stable_.count() < 3.0) return 0.3;
+  if (stable_.count() < 3.0) return kPriorPursuit;
   StableContext context{.whole = &stable_,
                         .near = {},
                         .time_s = now.sight.time_s,
@@ -338,12 +340,13 @@ class WholeRecording {
   }
 
   bool isBroken(std::size_t i) const {
-    return i > 0 && sights_[i].time_s - sights_[i - 1].time_s >= 2.5 / trace_.rate_Hz;
+    return i > 0 && sights_[i].time_s - sights_[i - 1].time_s >= longestStep_s(trace_.rate_Hz);
   }
 
   double step_s(std::size_t i) const {
-    return i == 0 ? 1.0 / trace_.rate_Hz
-                  : std::min(sights_[i].time_s - sights_[i - 1].time_s, 2.5 / trace_.rate_Hz);
+    return i == 0
+               ? 1.0 / trace_.rate_Hz
+               : std::min(sights_[i].time_s - sights_[i - 1].time_s, longestStep_s(trace_.rate_Hz));
   }
 
   void findPath() {
@@ -382,7 +385,6 @@ class WholeRecording {
 
   void labelPursuit(std::vector<GazeState>& states, std::vector<double>& pursuit,
                     const TakePursuit& take_pursuit) const {
-    constexpr double kPriorPursuit = 0.3;
     for (std::size_t i = 0; i < count_; ++i) {
       if (motion_[i] == indexOf(Motion::stable)) pursuit[i] = kPriorPursuit;
     }
