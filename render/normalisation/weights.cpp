@@ -37,14 +37,18 @@ class Solver {
       : problem_(problem),
         sigma_m_(sigma_m),
         surfel_(sigma_m.size()),
-        at_border_(sigma_m.size()),
         next_(sigma_m.size()),
         target_(sigma_m.size(), 1.0f) {
     parallelFor(count(), [&](std::size_t i) {
       surfel_[i] = {problem_.position_m[i], sigma_m_[i] * sigma_m_[i], problem_.normal[i],
                     initialWeight(i)};
-      at_border_[i] = problem_.near.k > 0 && isAtBorder(i);
     });
+  }
+
+  /// Before targets, sizes or rendered weights, which leave borders as they are.
+  void findBorders() {
+    at_border_.resize(count());
+    parallelFor(count(), [&](std::size_t i) { at_border_[i] = isAtBorder(i); });
   }
 
   /// Sets the targets to local means of the sums that the weights have now, and to one where the
@@ -204,6 +208,9 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
                                 std::vector<float>& sigma_m) {
   Solver solver(problem, sigma_m);
   if (problem.near.k == 0) return solver.weights();
+  const bool heeds_borders =
+      problem.areas_known || effort.sigma_rounds > 0 || effort.rendered_iterations > 0;
+  if (heeds_borders) solver.findBorders();
   const int total = effort.sigma_rounds * (kWeightsARound + 1) + effort.weight_iterations +
                     effort.rendered_iterations;
   int done = 0;
