@@ -351,6 +351,7 @@ void addEventsCommand(CLI::App& app) {
                          "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
   EventsOptions& o = *options;
   std::vector<std::string> detectors;
+  detectors.reserve(kDetectors.size());
   for (const Detector detector : kDetectors) detectors.emplace_back(nameOf(detector));
   events->add_option("TRACE", o.traces, "gaze recording; several with --score, --compare-detectors")
       ->required();
