@@ -1,7 +1,6 @@
 #include "gaze/events/gaze_features.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -50,11 +49,6 @@ void GazeFeatures::push(const TimedSight& sight, const std::optional<glm::dvec3>
   (sight.direction ? next.present_s : next.lost_s) = sight.time_s;
   if (!sight.direction) next.losses += 1.0;
   rows_.push_back(next);
-  while (rows_.size() > 2 && sight.time_s - rows_.front().time_s >
-                                 kHistory_s + 2.0 * kMaxAhead_s + 0.5 * noise_span_s_) {
-    rows_.pop_front();
-    ++dropped_;
-  }
   measureWindows();
   noteChanges();
   steps_deg_[changes_from_] =
@@ -68,6 +62,15 @@ void GazeFeatures::push(const TimedSight& sight, const std::optional<glm::dvec3>
   if (sight.time_s - measured_s_ >= kAgain_s || changes_count_ <= 32) {
     measured_s_ = sight.time_s;
     measureNoise();
+  }
+}
+
+void GazeFeatures::forgetBefore(std::size_t sample) {
+  constexpr double kReach_s = 0.6;  // of `of`, backwards, with room
+  const double from_s = row(std::min(sample, pushed() - 1)).time_s - kReach_s;
+  while (rows_.size() > 1 && rows_[1].time_s <= from_s) {
+    rows_.pop_front();
+    ++dropped_;
   }
 }
 

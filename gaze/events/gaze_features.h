@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -26,7 +27,7 @@ inline constexpr double kMaxAhead_s = kScale_s.back();
 /// Standard deviations of the velocity along each axis by noise alone, deg/s, for each scale.
 using ScaleNoise = std::array<double, kScale_s.size()>;
 
-/// Computes features while samples arrive. Time and memory per sample do not grow. Every window
+/// Computes features while samples arrive. Time per sample does not grow. Every window
 /// ends at a sample and reaches back from it, so that it never changes once its sample is known.
 class GazeFeatures {
  public:
@@ -39,15 +40,16 @@ class GazeFeatures {
 
   std::size_t pushed() const { return dropped_ + rows_.size(); }
 
-  /// @param sample   counted from 0; not older than `kHistory_s` before the newest
+  /// Forgets what `of` does not need from this sample on. Without it, memory grows.
+  void forgetBefore(std::size_t sample);
+
+  /// @param sample   counted from 0; not forgotten
   /// @param ahead_s  samples that are later by more than this are not used
   GazeFeatureVector of(std::size_t sample, double ahead_s) const;
 
   const ScaleNoise& noise_deg_s() const { return noise_deg_s_; }
   /// Standard deviation of a sample's error along each axis; 0 before it is known.
   double noise_deg() const;
-
-  static constexpr double kHistory_s = 0.6;
 
  private:
   /// The samples of a window that ends at a sample.
@@ -75,7 +77,10 @@ class GazeFeatures {
   void noteChanges();
   void measureNoise();
   double rounding_deg() const;
-  const Row& row(std::size_t sample) const { return rows_[sample - dropped_]; }
+  const Row& row(std::size_t sample) const {
+    assert(sample >= dropped_ && sample < pushed());
+    return rows_[sample - dropped_];
+  }
   std::size_t lastUpTo(std::size_t from, double time_s) const;
   std::size_t lastBefore(std::size_t from, double time_s) const;
   void addPeaks(std::size_t sample, std::size_t newest, std::size_t scale, float*& out) const;

@@ -106,6 +106,7 @@ std::optional<SampleLabel> TrainedEvents::push(const GazeSample& sample, const T
     judgeMotion(pending_[judged_], labelled_ + judged_);
     ++judged_;
   }
+  features_.forgetBefore(labelled_ + judged_);
   return pending_.size() > delay_ ? std::optional(settle()) : std::nullopt;
 }
 
@@ -316,6 +317,7 @@ class WholeRecording {
       while (next < i && sights_[i].time_s - sights_[next].time_s >= 0.5 * kOfflineNoise_s) {
         judgeNext();
       }
+      features.forgetBefore(next);
     }
     while (next < count_) judgeNext();
 

@@ -166,6 +166,7 @@ void addFeatures(const GazeTrace& trace, const std::vector<std::size_t>& samples
              sample.time_s - trace.samples[samples[next]].time_s >= wait_s - 1e-6) {
         take();
       }
+      if (next < samples.size()) features.forgetBefore(samples[next]);
     }
     while (next < samples.size()) take();
   }

@@ -184,6 +184,28 @@ TEST(TrainedEvents, LabelEachSampleOnceItsDelayHasPassed) {
   }
 }
 
+TEST(LabelEvents, DoNotDependOnTheLengthOfAPause) {
+  // The features of the last samples before a pause are asked for after it.
+  const GazeTrace walked =
+      simulateGaze(walk(), kScreen, 256, 5, {.noise_deg = 0.1}).trace;  // exact times
+  const auto labels = [&](double pause_s, bool online) {
+    GazeTrace trace = walked;
+    for (std::size_t i = trace.samples.size() / 2; i < trace.samples.size(); ++i) {
+      trace.samples[i].time_s += pause_s;
+    }
+    return online ? labelTrainedOnline(trace, kScreen, {}, builtinEventModel())
+                  : labelTrained(trace, kScreen, {}, builtinEventModel());
+  };
+  for (const bool online : {false, true}) {
+    const auto shorter = labels(5.0, online), longer = labels(3600.0, online);
+    ASSERT_EQ(shorter.size(), longer.size());
+    for (std::size_t i = 0; i < shorter.size(); ++i) {
+      EXPECT_EQ(shorter[i].state, longer[i].state) << i;
+      EXPECT_EQ(shorter[i].probabilities, longer[i].probabilities) << i;
+    }
+  }
+}
+
 // The same with doubts about the signal, by any detector.
 TEST(LabelEvents, OnlineDoNotDependOnLaterSamples) {
   SimulatedGaze gaze = simulateGaze({{{500, 500}, 1.5}, {{1200, 700}, 1.5}, {{700, 300}, 1.0}},
