@@ -28,6 +28,7 @@ import time
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
+CURVE = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
 SECTIONS = ("bench", "events", "trained_events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "webcam", "large", "python")
 
 
@@ -138,23 +139,28 @@ def trained_events(args):
                       [cell("coders", kind, "coders", "stable")] for kind in json_[group]])
 
     keys = ("fixation_f1", "saccade_f1", "pursuit_f1")
+    groups = (("set_left_out", "set left out"), ("observers_left_out", "observers left out"))
+    scores = table(["recordings"] + [f"{title}, {column}" for _, title in groups for column in columns[:2]],
+                   [[kind] + [", ".join(cell(group, kind, column, key) or "-" for key in keys) if kind in json_[group] else ""
+                              for group, _ in groups for column in columns[:2]] for kind in json_["set_left_out"]])
 
-    def scores(group):
-        return table(["recordings"] + [f"{column}: {key[:-3]}" for column in columns[:2] for key in keys],
-                     [[kind] + [cell(group, kind, column, key) for column in columns[:2] for key in keys]
-                      for kind in json_[group]])
+    def right(name, stated):
+        """The curve at a probability, straight between its points, as foci reads it."""
+        curve = json_["calibration"][name]
+        for (x0, y0), (x1, y1) in zip(curve, curve[1:]):
+            if x0 <= stated <= x1:
+                return short(y0 + (y1 - y0) * (stated - x0) / (x1 - x0), 2)
+        return short(curve[0 if stated < curve[0][0] else -1][1], 2)
 
-    curve = [[name, short(stated), short(right)] for name in ("offline", "online")
-             for stated, right in json_["calibration"][name]]
+    curve = [[stated, right("offline", stated), right("online", stated)] for stated in CURVE]
     return ("`foci_train_events` trains the detector `trained` without one data set, and labels that one: *set left out*. "
             "It also leaves out a third of the observers, so that the set's other recordings are in the training. Cohen's "
             "kappa of stable gaze, mean over the coders; *coders* is their agreement with each other.\n\n"
             "**Set left out**\n\n" + kappas("set_left_out") + "\n\n**Observers left out**\n\n" +
-            kappas("observers_left_out") + "\n\nF1 of events: runs of equal labels that share more than half of their "
-            "union. Set left out:\n\n" + scores("set_left_out") + "\n\nObservers left out:\n\n" +
-            scores("observers_left_out") + "\n\nProbability that the trees state for a label, and the share of such labels "
-            "that are right on sets left out, with equal weight for each set. The model holds this curve, and foci states "
-            "its second value.\n\n" + table(["detector", "stated by the trees", "right"], curve))
+            kappas("observers_left_out") + "\n\n**F1 of events** (fixations, saccades, pursuit): two events agree if they "
+            "share more than half of their union.\n\n" + scores + "\n\n**Confidence**: the probability that the trees "
+            "state for a label, and the share of such labels that are right on sets left out, with equal weight for each "
+            "set. foci states this share.\n\n" + table(["stated by the trees", "right, offline", "right, online"], curve))
 
 
 def event_rules(args):
