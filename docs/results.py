@@ -14,6 +14,7 @@ a display or xvfb-run. The measurements stay in out/results; `foci chart` contin
 """
 
 import argparse
+import collections
 import csv
 import datetime
 import json
@@ -28,6 +29,7 @@ import time
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
+BENCH_LEFT_OUT = re.compile(r"SampleMesh/(3|1000)|SweepPlane/blur_dpx:(0|114)")  # rows that the page does without
 CURVE = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
 SECTIONS = ("bench", "events", "trained_events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "webcam", "large", "python")
 
@@ -72,7 +74,7 @@ def stamp(foci):
 
 
 def bench(args):
-    counters = ("median_rendered_ms", "p95_rendered_ms", "median_ms", "p95_ms", "rendered", "error")
+    counters = ("median_rendered_ms", "p95_rendered_ms", "rendered", "error")
     measured = json.loads(run(args.bench, "--benchmark_format=json", f"--benchmark_filter={args.bench_filter}"))
     gallery, frames, others, no_gpu = [], [], [], None
     for one in measured["benchmarks"]:
@@ -83,26 +85,25 @@ def bench(args):
             continue
         if "splats_per_px" in one:
             device_ms = sum(one[stage + "_ms"] for stage in GPU_STAGES) if "present_ms" in one else None
-            frames.append([f"`{name}`"] + [short(one[counter]) for counter in ("median_ms", "min_ms", "splats_per_px",
-                           "fragments_per_px")] + [short(device_ms) if device_ms is not None else "n/a"])
+            frames.append([f"`{name}`", short(one["median_ms"])] + ([] if device_ms is None else [short(device_ms)]))
         elif "p95_ms" in one:
             gallery.append([f"`{name}`"] + [short(one.get(counter, "n/a")) for counter in counters])
         else:
-            others.append([f"`{one['name'].removeprefix('BM_')}`", short(one["real_time"]), one["time_unit"]])
+            if not BENCH_LEFT_OUT.search(name):
+                name = re.sub(r"/(process_time|min_warmup_time).*", "", name)
+                others.append([f"`{name}`", short(one["real_time"]) + " " + one["time_unit"]])
     text = ["`foci_bench` measures the parts of the program. Times are wall-clock times."]
     if gallery:
         text.append("**A study's frame**: six seconds of gaze over the gallery of two million surfels, 1920 x 1080 px, method "
-                    "`auto`. A reused frame takes no time.")
-        text.append(table(["run", "median of rendered frames, ms", "95 %, ms", "median of all frames, ms", "95 %, ms",
-                           "share rendered", "predicted error, JND"], gallery))
+                    "`auto`. Times are those of rendered frames; a reused frame takes no time.")
+        text.append(table(["run", "median, ms", "95 %, ms", "share rendered", "predicted error, JND"], gallery))
     if frames:
-        text.append("**One frame** of a scene: method, width of the image, focus, pupil. `FirstFrame` is the first frame of a "
-                    "new renderer on a loaded scene. `GpuFrame` renders on the GPU. The last column is the GPU's own time.")
-        text.append(table(["frame", "median, ms", "minimum, ms", "splats a pixel", "fragments a pixel", "device, ms"], frames))
-    if no_gpu:
-        text.append(f"No GPU was available ({no_gpu}), so this page has no GPU times.")
+        text.append("**One frame** of a scene: method, width of the image, focus, pupil; the median. `FirstFrame` is the first "
+                    "frame of a new renderer on a loaded scene. `GpuFrame` renders on the GPU" +
+                    (f", but no GPU was available ({no_gpu})." if no_gpu else "; the last column is the GPU's own time."))
+        text.append(table(["frame", "ms"] + ([] if no_gpu else ["device, ms"]), frames))
     if others:
-        text.append(table(["benchmark", "time", "unit"], others))
+        text.append(table(["other benchmark", "time"], others))
     return "\n\n".join(text)
 
 
@@ -116,7 +117,7 @@ def events(args):
             "`coder_` marks a human.\n\n" +
             table(["label"] + [pair.replace(":", " : ") for pair in pairs],
                   [[kind] + [short(scored["kappa"][pair][kind]) if scored["kappa"][pair][kind] is not None else "n/a"
-                             for pair in pairs] for kind in kinds]))
+                             for pair in pairs] for kind in kinds if any(scored["kappa"][pair][kind] for pair in pairs)]))
 
 
 def trained_events(args):
@@ -168,16 +169,23 @@ def event_rules(args):
         return None
     data = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(args.labelled[0]))))
     program = os.path.join(args.build, "foci_event_rules")
+    kappas, chosen, held_out = run(program, data).strip().split("\n\n")
+    names, *lines = [line.split() for line in chosen.splitlines()]
+    names = names[3:]  # after "rules chosen without"
+    counts = [collections.Counter(line[-len(names) + i] for line in lines) for i in range(len(names))]
+    same = [f"`{name}` {value}" for name, count in zip(names, counts) for value in count if len(count) == 1]
+    varied = [f"`{name}` " + ", ".join(f"{value} ({n}x)" for value, n in count.most_common())
+              for name, count in zip(names, counts) if len(count) > 1]
+    rows = [line.rsplit(None, 9) for line in kappas.splitlines()[2:] + held_out.splitlines()]
     return ("`foci_event_rules` chooses the constants of `EventRules` on all labelled recordings but one, and labels that one. "
-            "The lines *held out* pool these labels by kind of recording: Cohen's kappa, mean over the coders. For pursuit, they "
-            "pool all recordings. The search begins at the defaults, which were chosen on the same recordings, so the "
-            "held-out lines are upper bounds. Pursuit lasts for seconds, so a few long intervals decide its kappa. The "
-            "search on the other recordings then finds worse constants than the defaults, which were fitted to all. "
-            "Expect the held-out figure. "
-            "`noise_errors` is fixed at three standard errors. It was compared with other values on all recordings: if the "
-            "search chooses it too, it chooses 2, and dots and videos have 0.79 and 0.87. The default of `wide_noise` "
-            "stays at 4.5, because 3.5 finds too many saccades in simulated noise of 1 degree.\n\n"
-            "```\n" + run(program, data).rstrip("\n") + "\n```")
+            "The rows *held out* pool these labels: Cohen's kappa, mean over the coders. The search begins at the defaults, "
+            "which were chosen on the same recordings, so these rows are upper bounds. Pursuit lasts for seconds, so a few long "
+            "intervals decide its kappa: expect the held-out figure.\n\n" +
+            table(["", *(f"{what}: {kind}" for what in ("stable", "saccades") for kind in ("images", "dots", "video", "irf")),
+                   "pursuit: all"], [[cell.strip() for cell in row] for row in rows]) +
+            f"\n\nConstants that differ between the {len(lines)} searches, with their counts: " + "; ".join(varied) +
+            ". Equal in all: " + ", ".join(same) + ". The default of `wide_noise` stays at 4.5, because 3.5 finds too many saccades "
+            "in simulated noise of 1 degree. `noise_errors` is fixed at three standard errors.")
 
 
 def live(args):
@@ -229,23 +237,25 @@ def chart(args):
     rows = rows_of(os.path.join(folder, "chart.csv"))
     threads = max(int(row["threads"]) for row in rows)
     text = [f"`foci chart`, times at {threads} threads. The table shows the frontier (no method is both faster and closer) and "
-            "`auto`. `chart.csv` has all methods; [methods.md](methods.md#chart-time-against-accuracy) explains the columns."]
+            "`auto` at the largest blur. `chart.csv` has all methods and smaller blur; [methods.md](methods.md#chart-time-against-accuracy) explains the columns."]
     cells = {}
     for row in rows:
         if int(row["threads"]) == threads:
             cells.setdefault((row["scene"], row["blur_px"]), []).append(row)
+    largest = {scene: max(float(blur_px) for of, blur_px in cells if of == scene) for scene, _ in cells}
+    cells = {key: found for key, found in cells.items() if float(key[1]) == largest[key[0]]}
     shown_rows = []
     for (scene, blur_px), found in cells.items():
         shown = [row for row in found if row["on_frontier"] == "yes" or row["method"] == "auto"]
         shown.sort(key=lambda row: float(row["ms_median"]))
         place = [f"{scene}, {short(blur_px)} px, {short(found[0]['reference_psnr_dB'])} dB"]
         for row in shown:
+            predicted = "" if row["expected_error"] == "n/a" else f" ({short(row['expected_error'])})"
             shown_rows.append(place + ["`" + row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"]) + "`",
-                                       short(row["ms_median"]), short(row["psnr_dB"]), short(row["silhouette_psnr_dB"]),
-                                       short(row["visible_error"]), short(row["expected_error"])])
+                                       short(row["ms_median"]), short(row["psnr_dB"]), short(row["visible_error"]) + predicted])
             place = [""]
     text.append(table(["scene, largest blur, PSNR to which the reference is known", "method", "ms per frame", "PSNR, dB",
-                       "silhouettes, dB", "visible error, JND", "predicted, JND"], shown_rows))
+                       "visible error (predicted), JND"], shown_rows))
     if not args.chart_options:
         shutil.copy(os.path.join(folder, "chart.png"), os.path.join(ROOT, "docs", "chart.png"))
     return "\n\n".join(text)
@@ -254,7 +264,7 @@ def chart(args):
 def stability(args):
     folder = os.path.join(args.out, "stability")
     run(args.foci, "chart", "--stability", "--out", folder, *args.quick, *args.stability_options)
-    images = {"paper-lod": "", "sweep": "", "sweep-lod:7": "", "auto": "", "accumulate:64": "", "matthews": ""}
+    images = ("auto", "sweep", "sweep-lod:7", "paper-lod")
     scenes = {}
     for row in rows_of(os.path.join(folder, "stability.csv")):
         scene = scenes.setdefault(row["scene"], {"values": [], "scores": {}})
@@ -268,14 +278,15 @@ def stability(args):
         chosen = {name: scene for name, scene in scenes.items() if name.startswith("gaze-") == observers}
         if not chosen:
             continue
-        methods = []
-        for scene in chosen.values():
-            methods += [name for name in scene["scores"] if name not in methods and (observers or name in images)]
-        text.append(f"**{title}**")
+        methods = [name for name in images if any(name in scene["scores"] for scene in chosen.values())] if not observers else \
+            list(dict.fromkeys(name for scene in chosen.values() for name in scene["scores"]))
+        cells = {name: ["; ".join(scene["scores"].get(method, {}).get(value, "n/a") for value in scene["values"])
+                        for method in methods] for name, scene in chosen.items()}
+        good = [name for name in cells if not any("**" in cell for cell in cells[name])]
+        text.append(f"**{title}**" + (". All scores are good in: " + ", ".join(f"`{name}`" for name in good) + "." if good else ""))
         text.append(table(["scene", "dial"] + [f"`{name}`" if not observers else name for name in methods],
-                          [[f"`{name}`", ", ".join(map(short, scene["values"]))] +
-                           ["; ".join(scene["scores"].get(method, {}).get(value, "n/a") for value in scene["values"])
-                            for method in methods] for name, scene in chosen.items()]))
+                          [[f"`{name}`", ", ".join(map(short, chosen[name]["values"]))] + cells[name]
+                           for name in cells if name not in good]))
     return "\n\n".join(text)
 
 
@@ -285,12 +296,16 @@ def reproduce(args):
     run(args.foci, "reproduce", "--out", folder, *args.quick)
     rows = rows_of(os.path.join(folder, "table1.csv"))
     threads = max(int(row["threads"]) for row in rows)
-    head = ["scene", "aperture", "blur_px_max", "method", "kfragments", "points", "ms_median", "psnr_dB"]
+    shown_rows, place = [], None
+    for row in rows:
+        if int(row["threads"]) == threads and float(row["aperture"]) > 0.0:
+            new = f"{row['scene']}, {short(row['aperture'])} m, {short(row['blur_px_max'])} px"
+            shown_rows.append([new if new != place else "", f"`{row['method']}`"] +
+                              [short(row[name]) for name in ("kfragments", "points", "ms_median", "psnr_dB")])
+            place = new
     return (f"`foci reproduce`, 512 x 512 px, times at {threads} threads. [reproduce.md](reproduce.md) explains the columns; "
             "[formulas.md](formulas.md#7-what-the-paper-measured) has the paper's own numbers.\n\n" +
-            table(["scene", "aperture, m", "blur, px", "method", "k fragments", "points", "ms", "PSNR, dB"],
-                  [[row[name] if name in ("scene", "method") else short(row[name]) for name in head]
-                   for row in rows if int(row["threads"]) == threads]))
+            table(["scene, aperture, blur", "method", "k fragments", "points", "ms", "PSNR, dB"], shown_rows))
 
 
 def eye(args):
@@ -315,25 +330,28 @@ def eye(args):
     with open(listed, encoding="utf-8") as file:
         case = json.load(file)["testsuites"][0]["testsuite"][0]
     images = [[name.removeprefix("psf_").replace("_", " ")] + value.split() for name, value in case.items()
-              if name.startswith("psf_")]
+              if re.match(r"psf_\d mm, (-1|0|1) D", name)]
     validation = os.path.join(folder, "validation")
     run(args.foci, "validate", "--overwrite", "--out", validation)
     with open(os.path.join(validation, "validation.tsv"), newline="", encoding="utf-8") as file:
         figures = list(csv.DictReader(file, delimiter="\t"))
+    worst = {}
+    for one in figures:
+        one["off"] = abs(float(one["value"]) / float(one["expected"]) - 1.0)
+        worst[one["figure"]] = max(worst.get(one["figure"], one), one, key=lambda each: each["off"])
     return "\n\n".join([
         "**Time of an eye with aberrations**: the gallery by `sweep:19` at 960 x 540 px, a typical eye of 40 years against one "
-        "without aberrations. Each time is the shortest of four runs; the runs alternate. The ratio is largest where the eye "
-        "without aberrations sees most of the scene sharp.",
+        "without aberrations. Each time is the shortest of four alternating runs.",
         table(["pupil, mm", "focus, m", "without, ms", "with, ms", "ratio"], times),
         "**A rendered point of light against Fourier optics**, typical eye, `sweep:19` with diffraction, pixels of 1 arcmin. "
         "The root mean square is a share of the peak: over a window of 65 arcmin, and over the pixels that hold at least 1 % "
         "of the peak. The variances are those within the disc that holds all rays and, around them, the pixel's bell.",
         table(["pupil and defocus", "RMS, window, %", "RMS, lit pixels, %", "variance along x, %", "along y, %"], images),
-        "**Against published measurements**, `foci validate`.",
+        "**Against published measurements**, `foci validate`: of each figure, the condition that differs most. "
+        "`validation.tsv` has the others.",
         table(["figure", "condition", "published", "here", "unit"],
-              [["" if before and before["figure"] == one["figure"] else one["figure"], one["condition"],
-                short(one["expected"]), short(one["value"]), one["unit"]]
-               for before, one in zip([None] + figures, figures)])])
+              [[name, one["condition"], short(one["expected"]), short(one["value"]), one["unit"]]
+               for name, one in worst.items()])])
 
 
 def webcam(args):
@@ -445,8 +463,7 @@ def large(args):
             f"`auto` at full quality on the CPU, {limit}. First frames are whole runs of `foci render`: cold, with none of the file "
             "in memory, and again. Memory is the peak of resident memory, with the pages of the mapped file.")
     later = (f"Later frames of the last view, where the eye moves forwards by 1 m/s under a simulated gaze (`foci replay`): median "
-             f"{times[len(times) // 2] / 1000:.2f} s, {gigabytes:.2g} GB. "
-             "The hash of the file takes one of the threads meanwhile.")
+             f"{times[len(times) // 2] / 1000:.2f} s, {gigabytes:.2g} GB.")
     parts = [text, table(["view", "first frame, cold, s", "again, s", "memory, GB"], rows), later]
     if shutil.which("xvfb-run"):
         forget()
@@ -472,9 +489,8 @@ def python(args):
     measured = json.loads(subprocess.run(["/usr/bin/python3", script], check=True, stdout=subprocess.PIPE, text=True,
                                          env=environment).stdout)
     return "\n\n".join([
-        "1,000 samples at 1000 Hz pushed into a session, and 1,000 states read: two fixations with noise on a plane of 3,721 "
-        "surfels. `render` at 1280 x 720 px: what Python adds to the time of the C++ call. Shortest of 60 runs, median for "
-        "`render`. Single calls pay for Python's own call besides, about 0.3 us each.",
+        "1,000 samples at 1000 Hz pushed into a session, and 1,000 states read, on a plane of 3,721 surfels: shortest of 60 "
+        "runs. `render`: what Python adds to the C++ call at 1280 x 720 px, median.",
         table(["calls", "ms"], [[name, short(ms, 2)] for name, ms in measured.items()])])
 
 
