@@ -237,7 +237,8 @@ def chart(args):
     rows = rows_of(os.path.join(folder, "chart.csv"))
     threads = max(int(row["threads"]) for row in rows)
     text = [f"`foci chart`, times at {threads} threads. The table shows the frontier (no method is both faster and closer) and "
-            "`auto` at the largest blur. `chart.csv` has all methods and smaller blur; [methods.md](methods.md#chart-time-against-accuracy) explains the columns."]
+            "`auto` at the largest blur. `chart.csv` has all methods and smaller blur; "
+            "[methods.md](methods.md#chart-time-against-accuracy) explains the columns."]
     cells = {}
     for row in rows:
         if int(row["threads"]) == threads:
