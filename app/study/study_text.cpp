@@ -1,8 +1,11 @@
 #include "app/study/study_text.h"
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "base/input_error.h"
 #include "base/text.h"
@@ -152,18 +155,32 @@ std::string studyKeysMarkdown() {
       "the "
       "nearest known one. Paths\nare relative to the study. This page is the output of `foci keys "
       "--markdown`.\n";
+  std::vector<std::pair<std::string, std::string>> rows;  // keys that mean the same share a row
+  const auto finish = [&] {
+    for (const auto& [names, rest] : rows) text += "| " + names + rest;
+    rows.clear();
+  };
   std::string section = "none yet";
   for (const ResolvedKey& key : resolvedKeys(Study{})) {
     const auto [in, name] = splitName(key.name);
     if (in != section) {
+      finish();
       text += in.empty() ? "\n## Above the first section\n" : "\n## [" + in + "]\n";
       text += "\n| key | what | allowed | default |\n|---|---|---|---|\n";
       section = in;
     }
     const bool absent = key.json == "null" || key.json == "[]" || key.json == "\"\"";
-    text += "| `" + name + "` | " + std::string(key.meaning) + " | " + key.allowed + " | " +
-            (absent ? "" : "`" + tomlOf(Json::parse(key.json)) + "`") + " |\n";
+    const std::string rest = " | " + std::string(key.meaning) + " | " + key.allowed + " | " +
+                             (absent ? "" : "`" + tomlOf(Json::parse(key.json)) + "`") + " |\n";
+    const auto same =
+        std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.second == rest; });
+    if (same == rows.end()) {
+      rows.emplace_back("`" + name + "`", rest);
+    } else {
+      same->first += ", `" + name + "`";
+    }
   }
+  finish();
   return text;
 }
 
