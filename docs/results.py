@@ -69,8 +69,8 @@ def stamp(foci):
         commit += " with local changes"
     date = datetime.date.today().isoformat()
     load = os.getloadavg()[0]
-    return (f"*Measured {date} at commit {commit}: {machine['cpu']}, {machine['threads']} threads, {machine['simd']}, "
-            f"{machine['system']}; load {load:.1f} at the start.*")
+    return (f"*{date}, commit {commit}: {machine['cpu']}, {machine['threads']} threads, {machine['simd']}, "
+            f"{machine['system']}; load {load:.1f}.*")
 
 
 def bench(args):
@@ -92,7 +92,7 @@ def bench(args):
             if not BENCH_LEFT_OUT.search(name):
                 name = re.sub(r"/(process_time|min_warmup_time).*", "", name)
                 others.append([f"`{name}`", short(one["real_time"]) + " " + one["time_unit"]])
-    text = ["`foci_bench` measures the parts of the program. Times are wall-clock times."]
+    text = ["`foci_bench`, wall-clock times."]
     if gallery:
         text.append("**A study's frame**: six seconds of gaze over the gallery of two million surfels, 1920 x 1080 px, method "
                     "`auto`. Times are those of rendered frames; a reused frame takes no time.")
@@ -265,7 +265,7 @@ def chart(args):
 def stability(args):
     folder = os.path.join(args.out, "stability")
     run(args.foci, "chart", "--stability", "--out", folder, *args.quick, *args.stability_options)
-    images = ("auto", "sweep", "sweep-lod:7", "paper-lod")
+    images = ("auto", "sweep-lod:7", "paper-lod")
     scenes = {}
     for row in rows_of(os.path.join(folder, "stability.csv")):
         scene = scenes.setdefault(row["scene"], {"values": [], "scores": {}})
@@ -549,7 +549,9 @@ def main():
                 texts[name] = f"## {TITLES[name]}\n\n{stamped}\n\n{text}"
     with open(PAGE, "w", encoding="utf-8") as page:
         page.write("# Results\n\n`docs/results.py` measures foci and writes this page: do not edit it.\n"
-                   "The section on Gaussian scenes is measured by hand, and so are the figures of [batch.md](batch.md).\nEach section states machine, date and commit. Times vary between runs; compare ratios.\n")
+                   "The section on Gaussian scenes is measured by hand, and so are the figures of [batch.md](batch.md).\n"
+                   "Each section begins with date, commit, machine and its load at the start. Times vary between runs; "
+                   "compare ratios.\n")
         for name in SECTIONS:
             text = texts.get(name, f"## {TITLES[name]}\n\nNot measured yet: `python3 docs/results.py --only {name}`.")
             page.write(f"\n<!-- section {name} -->\n{text}\n")
