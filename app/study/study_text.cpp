@@ -170,8 +170,10 @@ std::string studyKeysMarkdown() {
       section = in;
     }
     const bool absent = key.json == "null" || key.json == "[]" || key.json == "\"\"";
-    const std::string rest = " | " + std::string(key.meaning) + " | " + key.allowed + " | " +
-                             (absent ? "" : "`" + tomlOf(Json::parse(key.json)) + "`") + " |\n";
+    std::string rest = " | " + std::string(key.meaning) + " |";  // without empty cells at the end
+    if (!key.allowed.empty() || !absent) rest += " " + key.allowed + " |";
+    if (!absent) rest += " `" + tomlOf(Json::parse(key.json)) + "` |";
+    rest += "\n";
     const auto same =
         std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.second == rest; });
     if (same == rows.end()) {
