@@ -235,27 +235,25 @@ def chart(args):
     run(args.foci, "chart", "--out", folder, *args.quick, *args.chart_options)
     rows = rows_of(os.path.join(folder, "chart.csv"))
     threads = max(int(row["threads"]) for row in rows)
-    text = [f"`foci chart`, times at {threads} threads. The table shows the frontier (no method is both faster and closer) and "
-            "`auto` at the largest blur. `chart.csv` has all methods and smaller blur; "
-            "[methods.md](methods.md#chart-time-against-accuracy) explains the columns."]
-    cells = {}
+    text = [f"`foci chart` at the largest blur of each scene: ms per frame at {threads} threads, PSNR in dB, and in JND the "
+            "visible error (of `auto`, also its prediction). An empty cell lies behind the frontier: another method is both "
+            "faster and closer. Beside the scene stands the PSNR to which its reference is known. `chart.csv` has all methods, "
+            "and smaller blur; [methods.md](methods.md#chart-time-against-accuracy) explains the figures."]
+    largest, cells, ms = {}, {}, {}
     for row in rows:
-        if int(row["threads"]) == threads:
-            cells.setdefault((row["scene"], row["blur_px"]), []).append(row)
-    largest = {scene: max(float(blur_px) for of, blur_px in cells if of == scene) for scene, _ in cells}
-    cells = {key: found for key, found in cells.items() if float(key[1]) == largest[key[0]]}
-    shown_rows = []
-    for (scene, blur_px), found in cells.items():
-        shown = [row for row in found if row["on_frontier"] == "yes" or row["method"] == "auto"]
-        shown.sort(key=lambda row: float(row["ms_median"]))
-        place = [f"{scene}, {short(blur_px)} px, {short(found[0]['reference_psnr_dB'])} dB"]
-        for row in shown:
+        largest[row["scene"]] = max(largest.get(row["scene"], 0.0), float(row["blur_px"]))
+    for row in rows:
+        if int(row["threads"]) == threads and float(row["blur_px"]) == largest[row["scene"]] and \
+                (row["on_frontier"] == "yes" or row["method"] == "auto"):
+            method = "`" + row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"]) + "`"
             predicted = "" if row["expected_error"] == "n/a" else f" ({short(row['expected_error'])})"
-            shown_rows.append(place + ["`" + row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"]) + "`",
-                                       short(row["ms_median"]), short(row["psnr_dB"]), short(row["visible_error"]) + predicted])
-            place = [""]
-    text.append(table(["scene, largest blur, PSNR to which the reference is known", "method", "ms per frame", "PSNR, dB",
-                       "visible error (predicted), JND"], shown_rows))
+            place = f"{row['scene']}, {short(row['blur_px'])} px, {short(row['reference_psnr_dB'])} dB"
+            cells.setdefault(place, {})[method] = ", ".join(
+                short(row[name]) for name in ("ms_median", "psnr_dB", "visible_error")) + predicted
+            ms.setdefault(method, []).append(float(row["ms_median"]))
+    methods = sorted(ms, key=lambda method: (len(ms[method]) == 1, sum(ms[method]) / len(ms[method])))
+    text.append(table(["scene"] + methods, [[place] + [found.get(method, "") for method in methods]
+                                            for place, found in cells.items()]))
     if not args.chart_options:
         shutil.copy(os.path.join(folder, "chart.png"), os.path.join(ROOT, "docs", "chart.png"))
     return "\n\n".join(text)
@@ -296,16 +294,18 @@ def reproduce(args):
     run(args.foci, "reproduce", "--out", folder, *args.quick)
     rows = rows_of(os.path.join(folder, "table1.csv"))
     threads = max(int(row["threads"]) for row in rows)
-    shown_rows, place = [], None
+    cells = {}
     for row in rows:
         if int(row["threads"]) == threads and float(row["aperture"]) > 0.0:
-            new = f"{row['scene']}, {short(row['aperture'])} m, {short(row['blur_px_max'])} px"
-            shown_rows.append([new if new != place else "", f"`{row['method']}`"] +
-                              [short(row[name]) for name in ("kfragments", "points", "ms_median", "psnr_dB")])
-            place = new
-    return (f"`foci reproduce`, 512 x 512 px, times at {threads} threads. [reproduce.md](reproduce.md) explains the columns; "
-            "[formulas.md](formulas.md#7-what-the-paper-measured) has the paper's own numbers.\n\n" +
-            table(["scene, aperture, blur", "method", "k fragments", "points", "ms", "PSNR, dB"], shown_rows))
+            place = f"{row['scene']}, {short(row['aperture'])} m, {short(row['blur_px_max'])} px"
+            cells.setdefault(place, {})["`" + row["method"] + "`"] = ", ".join(
+                short(row[name]) for name in ("kfragments", "points", "ms_median", "psnr_dB"))
+    methods = list(next(iter(cells.values())))
+    return (f"`foci reproduce`, 512 x 512 px: thousands of fragments, points, ms at {threads} threads, and PSNR in dB. The "
+            "paper's own numbers are in [formulas.md](formulas.md#7-what-the-paper-measured); [reproduce.md](reproduce.md) "
+            "explains the figures.\n\n" +
+            table(["scene, aperture, blur"] + methods, [[place] + [found.get(method, "") for method in methods]
+                                                        for place, found in cells.items()]))
 
 
 def eye(args):
