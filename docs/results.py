@@ -459,10 +459,10 @@ def large(args):
         limits = [os.path.join(args.cgroup, limit) for limit in ("memory.max", "memory.limit_in_bytes")]
         text = open(next(path for path in limits if os.path.exists(path)), encoding="utf-8").read()
         limit = f"in a memory cgroup limited to {int(text) / 2**30:.3g} GiB, pages of the file included"
-    text = (f"A landscape of `foci_large_scene` in a file of {os.path.getsize(args.large) / 1e9:.1f} GB, 1920 x 1080 px, method "
-            f"`auto` at full quality on the CPU, {limit}. First frames are whole runs of `foci render`: cold, with none of the file "
-            "in memory, and again. Memory is the peak of resident memory, with the pages of the mapped file.")
-    later = (f"Later frames of the last view, where the eye moves forwards by 1 m/s under a simulated gaze (`foci replay`): median "
+    text = (f"A landscape of `foci_large_scene`, {os.path.getsize(args.large) / 1e9:.1f} GB, 1920 x 1080 px, method `auto` at "
+            f"full quality on the CPU, {limit}. Times of whole runs of `foci render`: cold, with none of the file in memory, and "
+            "again. Peak of resident memory, with the pages of the mapped file.")
+    later = (f"Later frames of the last view, where the eye moves forwards by 1 m/s (`foci replay`): median "
              f"{times[len(times) // 2] / 1000:.2f} s, {gigabytes:.2g} GB.")
     parts = [text, table(["view", "first frame, cold, s", "again, s", "memory, GB"], rows), later]
     if shutil.which("xvfb-run"):
@@ -471,11 +471,9 @@ def large(args):
                 study, "--window", "--source", "trace:simulated", "--set", "output.seconds=null", "--json"]
         seen = json.loads(subprocess.run(live, cwd=args.out, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                                          preexec_fn=enter).stdout)
-        parts.append(f"`foci live` on that view, under the same gaze for 20 s, with none of the file in memory at the start: first "
-                     f"frame after {short(seen['first_frame_s'], 2)} s, {seen['frames']} frames, gaze to swap "
-                     f"{short(seen['sample_to_swap_ms_median'], 2)} ms (median), {short(seen['sample_to_swap_ms_p95'], 2)} ms (95 %). "
-                     f"Live frames keep the frame-time budget at lower quality; {short(100 * seen['frames_full'], 2)} % had full "
-                     "quality.")
+        parts.append(f"`foci live` on that view for 20 s, cold: first frame after {short(seen['first_frame_s'], 2)} s, "
+                     f"{seen['frames']} frames, {short(100 * seen['frames_full'], 2)} % of them at full quality; gaze to swap "
+                     f"{short(seen['sample_to_swap_ms_median'], 2)} ms (median), {short(seen['sample_to_swap_ms_p95'], 2)} ms (95 %).")
     return "\n\n".join(parts)
 
 
