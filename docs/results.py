@@ -133,16 +133,18 @@ def trained_events(args):
         value = json_[group].get(kind, {}).get(column, {}).get(key)
         return "" if value is None else short(value)
 
-    def kappas(group):
-        return table(["recordings", *columns, "coders"],
-                     [[kind] + [cell(group, kind, column, "stable") for column in columns] +
-                      [cell("coders", kind, "coders", "stable")] for kind in json_[group]])
+    def cells(group, kind, columns, keys):
+        found = [cell(group, kind, column, key) or "-" for column in columns for key in keys]
+        return ", ".join(found) if kind in json_[group] else ""
 
-    keys = ("fixation_f1", "saccade_f1", "pursuit_f1")
-    groups = (("set_left_out", "set left out"), ("observers_left_out", "observers left out"))
-    scores = table(["recordings"] + [f"{title}, {column}" for _, title in groups for column in columns[:2]],
-                   [[kind] + [", ".join(cell(group, kind, column, key) or "-" for key in keys) if kind in json_[group] else ""
-                              for group, _ in groups for column in columns[:2]] for kind in json_["set_left_out"]])
+    keys, groups = ("fixation_f1", "saccade_f1", "pursuit_f1"), ("set_left_out", "observers_left_out")
+    kinds = list(json_["set_left_out"])
+    kappas = table(["recordings", "set left out", "observers left out", "coders"],
+                   [[kind] + [cells(group, kind, columns, ("stable",)) for group in groups] +
+                    [cell("coders", kind, "coders", "stable")] for kind in kinds])
+    scores = table(["recordings"] + [f"{group.replace('_', ' ')}, {column}" for group in groups for column in columns[:2]],
+                   [[kind] + [cells(group, kind, (column,), keys) for group in groups for column in columns[:2]]
+                    for kind in kinds])
 
     def right(name, stated):
         """The curve at a probability, straight between its points, as foci reads it."""
@@ -155,9 +157,9 @@ def trained_events(args):
     curve = [[stated, right("offline", stated), right("online", stated)] for stated in CURVE]
     return ("`foci_train_events` trains the detector `trained` without one data set, and labels that one: *set left out*. "
             "It also leaves out a third of the observers, so that the set's other recordings are in the training. Cohen's "
-            "kappa of stable gaze, mean over the coders; *coders* is their agreement with each other.\n\n"
-            "**Set left out**\n\n" + kappas("set_left_out") + "\n\n**Observers left out**\n\n" +
-            kappas("observers_left_out") + "\n\n**F1 of events** (fixations, saccades, pursuit): two events agree if they "
+            "kappa of stable gaze offline, online, and offline at 60 and 120 Hz, mean over the coders; *coders* is their "
+            "agreement with each other.\n\n" +
+            kappas + "\n\n**F1 of events** (fixations, saccades, pursuit): two events agree if they "
             "share more than half of their union.\n\n" + scores + "\n\n**Confidence**: the probability that the trees "
             "state for a label, and the share of such labels that are right on sets left out, with equal weight for each "
             "set. foci states this share.\n\n" + table(["stated by the trees", "right, offline", "right, online"], curve))
