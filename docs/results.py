@@ -90,7 +90,7 @@ def bench(args):
             gallery.append([f"`{name}`"] + [short(one.get(counter, "n/a")) for counter in counters])
         else:
             name = re.sub(r"/(process_time|min_warmup_time).*", "", name)
-            others.append([f"`{name}`", short(one["real_time"]) + " " + one["time_unit"]])
+            others.append(f"`{name}` {short(one['real_time'])} {one['time_unit']}")
     text = ["`foci_bench`, wall-clock times."]
     if gallery:
         text.append("**A study's frame**: six seconds of gaze over the gallery of two million surfels, 1920 x 1080 px, method "
@@ -102,7 +102,7 @@ def bench(args):
                     (f", but no GPU was available ({no_gpu})." if no_gpu else "; the last column is the GPU's own time."))
         text.append(table(["frame", "ms"] + ([] if no_gpu else ["device, ms"]), frames))
     if others:
-        text.append(table(["other benchmark", "time"], others))
+        text.append("**Others**: " + ", ".join(others) + ".")
     return "\n\n".join(text)
 
 
