@@ -69,8 +69,7 @@ def stamp(foci):
         commit += " with local changes"
     date = datetime.date.today().isoformat()
     load = os.getloadavg()[0]
-    return (f"*{date}, commit {commit}: {machine['cpu']}, {machine['threads']} threads, {machine['simd']}, "
-            f"{machine['system']}; load {load:.1f}.*")
+    return f"*{date}, commit {commit}: {machine['cpu']}, {machine['threads']} threads, {machine['simd']}; load {load:.1f}.*"
 
 
 def bench(args):
