@@ -157,7 +157,7 @@ std::string studyKeysMarkdown() {
       "--markdown`.\n";
   std::vector<std::pair<std::string, std::string>> rows;  // keys that mean the same share a row
   const auto finish = [&] {
-    for (const auto& [names, rest] : rows) text += "| " + names + rest;
+    for (const auto& [names, rest] : rows) text.append("| ").append(names).append(rest);
     rows.clear();
   };
   std::string section = "none yet";
