@@ -367,7 +367,7 @@ def webcam(args):
         cases = {case["name"]: case for suite in json.load(file)["testsuites"] for case in suite["testsuite"]}
     real, moved = cases["AreFoundAndTheirIrises"], cases["MovedAboutTheirIrisesHaveLittleScatter"]
     judged = cases["ConfidenceIsTheShareOfRightIrises"]
-    cascades, networks = cases["TheCascadesGetAboutHalfOfTheIrises"], cases["TheNetworksGetMore"]
+    cascades, networks = cases["TheCascadesGetHalfOfTheIrises"], cases["TheNetworksHalveTheMisses"]
 
     def of(kind, part, whole):
         return f"{real.get(f'{kind}_{part}', 0)} of {real[f'{kind}_{whole}']}" if f"{kind}_{whole}" in real else "-"
