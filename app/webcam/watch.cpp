@@ -221,7 +221,6 @@ void watchWebcam(const WatchOptions& options) {
       std::fputs(row.c_str(), stdout);
     }
   };
-  if (options.out.empty()) print(kColumns);
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   cv::Mat image;
@@ -236,6 +235,7 @@ void watchWebcam(const WatchOptions& options) {
     const WebcamRecord record = tracker.push(image);
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - now).count();
     const double time_s = due_s.value_or(std::chrono::duration<double>(now - begin).count());
+    if (totals.frames == 0 && options.out.empty()) print(kColumns);
     print(rowOf(totals.frames, time_s, ms, record));
     totals.add(record, ms);
     overlay.add(image, record, *tracker.camera());

@@ -207,13 +207,17 @@ void NetworkTracker::readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamR
     record.lids_px[i].assign(eyes[i].lids_px.begin(), eyes[i].lids_px.end());
     std::reverse(record.lids_px[i].begin() + 9, record.lids_px[i].end());
     sure[i] = eyes[i].disagreement < kMaxDisagreement;
+    if (isCovered(image, eyes[i])) record.problem = WebcamProblem::glints;
     const double usual = usual_opening_[i] > 0.0 ? usual_opening_[i] : kOpening;
     opening[i] = eyes[i].opening / usual;
     openings += 0.5 * opening[i];
   }
+  // No blink lasts so long, and of shut eyes the network is not sure.
+  if (frames_without_eyes_ >= kPatience && sure[0] && sure[1]) usual_opening_ = {};
   const bool known = usual_opening_[0] > 0.0 && usual_opening_[1] > 0.0;
-  record.blink = (!sure[0] && !sure[1]) || (known && openings < kBlink);
-  if (record.blink) return;
+  const bool shut = (!sure[0] && !sure[1]) || (known && openings < kBlink);
+  record.blink = shut && record.problem != WebcamProblem::glints;
+  if (shut) return;
 
   learnPose(grey);
   std::array<glm::dvec2, 2> offset_mm{};
@@ -229,7 +233,6 @@ void NetworkTracker::readEyes(const cv::Mat& image, const cv::Mat& grey, WebcamR
     double& usual = usual_opening_[i];
     const double weight = usual == 0.0 ? 1.0 : eyes[i].opening > usual ? kRise : kFall;
     usual += weight * (eyes[i].opening - usual);
-    if (isCovered(image, eyes[i])) record.problem = WebcamProblem::glints;
   }
   if (!seen[0] && !seen[1]) {
     record.blink = true;
@@ -294,7 +297,7 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
   shows_both_ = showsBoth();
   if (!mesh_) return record;
   showed_eyes_ = showed_eyes_ || shows_both_;
-  const bool gone = showed_eyes_ ? record.blink : true;
+  const bool gone = !showed_eyes_ || !record.view;
   frames_without_eyes_ = gone ? frames_without_eyes_ + 1 : 0;
   return record;
 }

@@ -1,6 +1,9 @@
 #include "gaze/webcam/webcam_frames.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
@@ -34,6 +37,16 @@ cv::Mat readImage(const std::filesystem::path& file) {
   cv::Mat image;
   read.convertTo(image, CV_8U, 1.0 / 257.0);
   return image;
+}
+
+/// FFmpeg would take text for a film of a terminal.
+bool isText(const std::filesystem::path& file) {
+  std::array<char, 512> bytes{};
+  std::ifstream in(file, std::ios::binary);
+  in.read(bytes.data(), bytes.size());
+  return std::all_of(bytes.data(), bytes.data() + in.gcount(), [](char byte) {
+    return (byte >= ' ' && byte <= '~') || (byte >= '\t' && byte <= '\r');
+  });
 }
 
 /// Silences OpenCV and the libraries below it while it lives: foci reports the errors itself.
@@ -105,7 +118,7 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
     requireRegularFile(place.file);
     images_ = isPattern() || cv::haveImageReader(name);
     if (images_) return;
-    if (!exists || !capture.open(name, cv::CAP_FFMPEG)) {
+    if (!exists || isText(place.file) || !capture.open(name, cv::CAP_FFMPEG)) {
       throw InputError(name, "not a video or image that can be read");
     }
     stated_ = capture.get(cv::CAP_PROP_FRAME_COUNT);

@@ -164,6 +164,20 @@ TEST(NetworkTracker, FindsAFaceThatJumps) {
   EXPECT_EQ(right, all);
 }
 
+TEST(NetworkTracker, NarrowerEyesAreNotABlinkForEver) {
+  SKIP_WITHOUT_MODELS();
+  faces::Person narrow = faces::somebody(3);
+  narrow.lids = 0.45;
+  const faces::Moment moment{.head_m = {0.0, 0.0, 0.45}};
+  const cv::Mat wide = faces::Face(faces::somebody(3)).photograph(moment, faces::Photography{});
+  const cv::Mat image = faces::Face(narrow).photograph(moment, faces::Photography{});
+  NetworkTracker tracker = trackerOf();
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(tracker.push(wide).blink);
+  EXPECT_TRUE(tracker.push(image).blink);
+  for (int i = 0; i < 15; ++i) tracker.push(image);
+  EXPECT_FALSE(tracker.push(image).blink);
+}
+
 TEST(NetworkTracker, SaysWhatStandsInTheWay) {
   SKIP_WITHOUT_MODELS();
   const faces::Face face(faces::somebody(0)), other(faces::somebody(4));
@@ -176,17 +190,20 @@ TEST(NetworkTracker, SaysWhatStandsInTheWay) {
     return tracker.push(image).problem;
   };
   const auto leave = [](cv::Mat&, const faces::Truth&) {};
-  const auto disk = [](double radii, double level) {
+  const auto disk = [](double radii, double level, std::size_t eyes = 1) {
     return [=](cv::Mat& image, const faces::Truth& truth) {
-      cv::circle(image, cv::Point(cv::Point2d(truth.iris_px[0].x, truth.iris_px[0].y)),
-                 static_cast<int>(radii * truth.iris_radius_px[0]), cv::Scalar::all(level),
-                 cv::FILLED);
+      for (std::size_t i = 0; i < eyes; ++i) {
+        cv::circle(image, cv::Point(cv::Point2d(truth.iris_px[i].x, truth.iris_px[i].y)),
+                   static_cast<int>(radii * truth.iris_radius_px[i]), cv::Scalar::all(level),
+                   cv::FILLED);
+      }
     };
   };
   const faces::Moment near{.head_m = {0.0, 0.0, 0.5}}, far{.head_m = {0.0, 0.0, 1.1}};
   EXPECT_EQ(problemOf(near, {}, leave), WebcamProblem::none);
   EXPECT_EQ(problemOf(far, {}, leave), WebcamProblem::too_far);
   EXPECT_EQ(problemOf(near, {}, disk(0.6, 255.0)), WebcamProblem::glints);
+  EXPECT_EQ(problemOf(near, {}, disk(3.0, 255.0, 2)), WebcamProblem::glints);
   EXPECT_EQ(problemOf(near, {}, disk(3.0, 110.0)), WebcamProblem::one_eye_hidden);
   const faces::Photography two{.beside = &other, .beside_at = {.head_m = {-0.22, 0.0, 0.75}}};
   EXPECT_EQ(problemOf(near, two, leave), WebcamProblem::several_faces);

@@ -13,6 +13,7 @@
 
 #include "base/input_error.h"
 #include "tests/faces/face.h"
+#include "tests/unit/gaze/scratch.h"
 
 namespace foci {
 namespace {
@@ -247,6 +248,10 @@ TEST(WebcamFrames, RefusesFilesThatAreNoVideo) {
   EXPECT_THROW(WebcamFrames({.file = "/nowhere/eye%03d.png"}), InputError);
   EXPECT_THROW(WebcamFrames({.file = "/nowhere/eye.mp4"}), InputError);
   EXPECT_THROW(WebcamFrames({.device = 63}), InputError);
+  const ScratchFile empty(""), text("A film has no such first bytes.\n");
+  for (const ScratchFile* file : {&empty, &text}) {
+    EXPECT_THROW(WebcamFrames({.file = file->path()}), InputError);
+  }
 }
 
 }  // namespace
