@@ -9,6 +9,7 @@ namespace {
 /// Sums from which the measures of one target or of all targets follow.
 struct Sums {
   std::size_t rows = 0, missing = 0, pairs = 0, within = 0;
+  glm::dvec2 axes{0.0};
   double angle = 0.0, step2 = 0.0, spread2 = 0.0, uncertainty = 0.0;
 
   void add(const Sums& other) {
@@ -16,6 +17,7 @@ struct Sums {
     missing += other.missing;
     pairs += other.pairs;
     within += other.within;
+    axes += other.axes;
     angle += other.angle;
     step2 += other.step2;
     spread2 += other.spread2;
@@ -26,7 +28,10 @@ struct Sums {
     GazeMeasures m{.samples = rows, .missing = missing};
     const std::size_t count = rows - missing;
     const auto valid = static_cast<double>(count);
-    if (count > 0) m.accuracy_deg = angle / valid;
+    if (count > 0) {
+      m.accuracy_deg = angle / valid;
+      m.axes_deg = axes / valid;
+    }
     if (count > 0 && mapped) {
       m.uncertainty_deg = uncertainty / valid;
       m.within = static_cast<double>(within) / valid;
@@ -85,9 +90,10 @@ GazeAccuracy measureAccuracy(std::span<const GazePair> pairs, const GazeFrame& f
       point = estimate.point;
       uncertainty = estimate.uncertainty_deg;
     }
-    const glm::dvec2 seen = onPlane(frame, point);
-    const double error = angle_deg(seen, onPlane(frame, pair.target));
+    const glm::dvec2 seen = onPlane(frame, point), target = onPlane(frame, pair.target);
+    const double error = angle_deg(seen, target);
     here.sums.angle += error;
+    here.sums.axes += glm::abs(glm::degrees(glm::atan(seen) - glm::atan(target)));
     here.sums.uncertainty += uncertainty;
     here.sums.within += error <= uncertainty;
     if (previous && previous_target == found->second) {

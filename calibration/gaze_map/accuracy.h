@@ -22,6 +22,7 @@ struct GazeMeasures {
   std::size_t samples = 0;               ///< rows, those without gaze included
   std::size_t missing = 0;               ///< rows without gaze: data loss
   std::optional<double> accuracy_deg{};  ///< mean angle between gaze and target
+  std::optional<glm::dvec2> axes_deg{};  ///< mean error across and down
   /// sqrt(sum theta(g_i, g_i+1)^2 / pairs) over pairs of adjacent rows.
   std::optional<double> rms_s2s_deg{};
   /// sqrt(sum theta(g_i, mean)^2 / n), with the mean of the target's samples.

@@ -29,7 +29,11 @@ double lossShare(const GazeMeasures& m) {
 
 std::string measuresJson(const GazeMeasures& m, const std::optional<double>& worst_deg) {
   std::string text = "\"samples\": " + std::to_string(m.samples);
+  const auto axis = [&](int i) {
+    return jsonOf(m.axes_deg ? std::optional((*m.axes_deg)[i]) : std::nullopt);
+  };
   text += ", \"accuracy_deg\": " + jsonOf(m.accuracy_deg);
+  text += ", \"error_across_deg\": " + axis(0) + ", \"error_down_deg\": " + axis(1);
   if (worst_deg) text += ", \"accuracy_max_deg\": " + jsonOf(worst_deg);
   text += ", \"precision_rms_s2s_deg\": " + jsonOf(m.rms_s2s_deg);
   text += ", \"precision_sd_deg\": " + jsonOf(m.sd_deg);

@@ -17,7 +17,8 @@ struct GazeReport {
   std::vector<std::string> warnings{};  ///< printed already; without < and &
 };
 
-/// One JSON object with the keys model, samples, accuracy_deg, accuracy_max_deg,
+/// One JSON object with the keys model, samples, accuracy_deg, error_across_deg, error_down_deg,
+/// accuracy_max_deg,
 /// precision_rms_s2s_deg, precision_sd_deg, lost (share of data loss), grade, validated,
 /// uncertainty_deg, within_uncertainty, slipped_targets, fit_ms, targets and warnings. A value that
 /// could not be measured is null.

@@ -6,9 +6,9 @@
 // and of the validation. Prints the targets: onset_s duration_s x_target y_target, in metres.
 #include <cstdio>
 #include <cstdlib>
-#include <opencv2/videoio.hpp>
 
 #include "calibration/gaze_map/target_session.h"
+#include "tests/faces/film.h"
 #include "tests/faces/observer.h"
 
 namespace foci {
@@ -34,15 +34,8 @@ static int film(char** argv) {
   sitting.head_m.z = distance_m;
   const faces::Face face(faces::somebody(0));
   const faces::Observer observer(sitting, shown);
-  faces::Photography how;
-  cv::VideoWriter video(argv[1], cv::VideoWriter::fourcc('a', 'v', 'c', '1'), kRate_Hz,
-                        {how.size_px.x, how.size_px.y});
-  if (!video.isOpened()) return 1;
-  const int frames = static_cast<int>((shown.back().to_s + 0.5) * kRate_Hz);
-  for (int frame = 0; frame < frames; ++frame) {
-    how.seed = static_cast<std::uint32_t>(frame);
-    video.write(face.photograph(observer.at(frame / kRate_Hz), how));
-  }
+  faces::film(argv[1], face, kRate_Hz, shown.back().to_s + 0.5, {},
+              [&](double time_s) { return observer.at(time_s); });
   return 0;
 }
 

@@ -20,6 +20,8 @@ TEST(Accuracy, IsTheMeanAngleAndPrecisionItsClosedForm) {
                                     {right(10.5), right(10.0), {}, 1.0}};
   const GazeAccuracy found = measureAccuracy(pairs, kPlane, nullptr);
   EXPECT_NEAR(*found.overall.accuracy_deg, (1.0 + 2.8 + 0.5) / 3.0, kRounding);
+  EXPECT_NEAR(found.overall.axes_deg->x, *found.overall.accuracy_deg, kRounding);
+  EXPECT_NEAR(found.overall.axes_deg->y, 0.0, kRounding);
   EXPECT_NEAR(*found.worst_deg, 1.9, kRounding);
   // The one pair of neighbours at one target.
   EXPECT_NEAR(*found.overall.rms_s2s_deg, 1.8, kRounding);
