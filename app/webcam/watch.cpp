@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -98,7 +97,7 @@ void drawRecord(cv::Mat& image, const WebcamRecord& record, const Pinhole& camer
     cv::circle(image, fine(iris->centre_px), width << kShift, green, cv::FILLED, cv::LINE_AA,
                kShift);
   }
-  const std::string words = record.blink ? "blink" : std::string(textOf(record.problem));
+  const std::string words = record.blink ? "blink" : textOf(record.problem, record.ipd_px);
   const double size = 0.5 * width;
   const cv::Point at(6 * width, image.rows - 8 * width);
   cv::putText(image, words, at, cv::FONT_HERSHEY_SIMPLEX, size, {0, 0, 0}, 3 * width, cv::LINE_AA);
@@ -152,7 +151,7 @@ class Overlay {
 struct Totals {
   std::size_t frames = 0, faces = 0, blinks = 0, irises = 0;
   std::vector<double> ms;
-  std::map<WebcamProblem, std::size_t> problems;
+  WebcamProblems problems;
 
   void add(const WebcamRecord& record, double took_ms) {
     ++frames;
@@ -160,7 +159,7 @@ struct Totals {
     blinks += record.blink;
     for (const auto& iris : record.irises) irises += iris.has_value();
     ms.push_back(took_ms);
-    if (record.problem != WebcamProblem::none) ++problems[record.problem];
+    problems.add(record);
   }
 };
 
@@ -176,8 +175,8 @@ void printSummary(const WatchOptions& options, Totals totals, bool by_networks) 
                                  {"ms_median", quantile(totals.ms, 0.5)},
                                  {"ms_95", quantile(totals.ms, 0.95)},
                                  {"problems", nlohmann::ordered_json::array()}};
-  for (const auto& [problem, count] : totals.problems) {
-    json["problems"].push_back({{"problem", textOf(problem)}, {"frames", count}});
+  for (const auto& [count, text] : totals.problems.list()) {
+    json["problems"].push_back({{"problem", text}, {"frames", count}});
   }
   if (options.json) {
     std::puts(jsonText(json).c_str());
@@ -191,8 +190,8 @@ void printSummary(const WatchOptions& options, Totals totals, bool by_networks) 
                totals.frames, by_networks ? "networks" : "cascades", 100.0 * share(totals.faces),
                100.0 * share(totals.blinks), share(totals.irises), quantile(totals.ms, 0.5),
                quantile(totals.ms, 0.95));
-  for (const auto& [problem, count] : totals.problems) {
-    std::fprintf(to, "%zu frames: %s\n", count, std::string(textOf(problem)).c_str());
+  for (const auto& [count, text] : totals.problems.list()) {
+    std::fprintf(to, "%zu frames: %s\n", count, text.c_str());
   }
 }
 

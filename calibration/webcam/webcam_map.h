@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "gaze/webcam/webcam_view.h"
+#include "gaze/webcam/webcam_record.h"
 
 namespace foci {
 

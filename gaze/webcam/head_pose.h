@@ -5,6 +5,7 @@
 // to the camera's if the head is upright and faces the camera.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -15,6 +16,18 @@ namespace foci {
 struct Pinhole {
   glm::dvec2 focal_px{0.0};
   glm::dvec2 principal_px{0.0};
+};
+
+/// A calibrated camera.
+struct Lens : Pinhole {
+  /// Brown's k1, k2, p1, p2, k3 (OpenCV's order).
+  std::array<double, 5> distortion{};
+  glm::ivec2 size_px{0, 0};  ///< size of the calibrated frames; 0: any size
+
+  bool operator==(const Lens& other) const {
+    return focal_px == other.focal_px && principal_px == other.principal_px &&
+           distortion == other.distortion && size_px == other.size_px;
+  }
 };
 
 /// The camera model of a usual webcam, for a camera without calibration: 60 degrees wide.

@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include "base/text.h"
+
 namespace foci {
 
-std::string_view textOf(WebcamProblem problem) {
+std::string textOf(WebcamProblem problem, double ipd_px) {
   switch (problem) {
     case WebcamProblem::too_dark:
       return "no face in view: the image is too dark";
@@ -15,13 +17,30 @@ std::string_view textOf(WebcamProblem problem) {
     case WebcamProblem::one_eye_hidden:
       return "one eye is hidden";
     case WebcamProblem::too_far:
-      return "the face is too far away or the image too small: an iris needs 8 pixels";
+      return "the face is too far away or the image too small: the iris has " +
+             decimal(2.0 * kLimbus_mm * ipd_px / kMeanIpd_mm, 1) + " pixels, 8 are needed";
     case WebcamProblem::several_faces:
       return "several faces: the one that was followed, or else the largest, is used";
     case WebcamProblem::none:
       break;
   }
   return "";
+}
+
+void WebcamProblems::add(const WebcamRecord& record) {
+  if (record.problem == WebcamProblem::none) return;
+  Count& count = counts_[record.problem];
+  ++count.frames;
+  count.ipd_px += record.ipd_px;
+}
+
+std::vector<std::pair<std::size_t, std::string>> WebcamProblems::list() const {
+  std::vector<std::pair<std::size_t, std::string>> all;
+  for (const auto& [problem, count] : counts_) {
+    all.emplace_back(count.frames,
+                     textOf(problem, count.ipd_px / static_cast<double>(count.frames)));
+  }
+  return all;
 }
 
 WebcamView webcamView(const HeadPose& pose, const glm::dvec2& offset_mm) {

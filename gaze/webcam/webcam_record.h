@@ -2,16 +2,27 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
-#include <string_view>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "gaze/webcam/head_tracker.h"
 #include "gaze/webcam/iris.h"
-#include "gaze/webcam/straight_frames.h"
-#include "gaze/webcam/webcam_view.h"
 
 namespace foci {
+
+/// Features of a frame, which a calibration maps to gaze.
+/// The axes are those of the screen, as the observer sees it: x to the right, y up, z towards the
+/// observer.
+struct WebcamView {
+  /// Offset of the iris from its place at rest, in widths of the eye; the mean of both eyes.
+  glm::dvec2 eye{0.0};
+  glm::dvec3 head_m{0.0, 0.0, 0.6};  ///< midpoint of the eyes, from the camera; z > 0
+  glm::dvec2 head_rad{0.0};          ///< yaw to the right, pitch upwards
+  double roll_rad = 0.0;             ///< of the head, clockwise as the observer feels it
+};
 
 /// The reference of the features: a view of the head, and the place of the eyes in it. With the
 /// same reference and tracker, the features mean the same at another time.
@@ -33,9 +44,6 @@ enum class WebcamProblem {
   several_faces,   ///< one is followed: as before, else the largest
 };
 
-/// For people: "no face in view".
-std::string_view textOf(WebcamProblem problem);
-
 struct WebcamRecord {
   std::optional<WebcamView> view{};             ///< absent without a face and in a blink
   bool face = false;                            ///< a face is in view
@@ -48,6 +56,24 @@ struct WebcamRecord {
   glm::dvec2 eyes_px{0.0};                           ///< midpoint of the eyes; with a face
   std::array<std::vector<glm::dvec2>, 2> lids_px{};  ///< closed outlines, for a picture
   WebcamProblem problem = WebcamProblem::none;
+};
+
+/// For people: "no face in view". @param ipd_px  of the face
+std::string textOf(WebcamProblem problem, double ipd_px);
+
+/// Counts frames with problems.
+class WebcamProblems {
+ public:
+  void add(const WebcamRecord& record);
+  /// Frames and text of each problem; of the size of irises it tells the mean.
+  std::vector<std::pair<std::size_t, std::string>> list() const;
+
+ private:
+  struct Count {
+    std::size_t frames = 0;
+    double ipd_px = 0.0;  // sum
+  };
+  std::map<WebcamProblem, Count> counts_;
 };
 
 /// Radius of an average limbus (Hall et al. 1985).

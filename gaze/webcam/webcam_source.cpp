@@ -1,7 +1,6 @@
 #include "gaze/webcam/webcam_source.h"
 
 #include <chrono>
-#include <map>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -31,12 +30,11 @@ WebcamRecording readWebcam(const WebcamPlace& place, WebcamTracker& tracker) {
   if (frames.isCamera())
     throw InputError(nameOf(place), "expected a recording: a camera never ends");
   WebcamRecording recording;
-  std::map<WebcamProblem, std::size_t> problems;
+  WebcamProblems problems;
   for (cv::Mat image; const auto time_s = frames.nextTime_s();) {
     if (!frames.next(image)) break;
     recording.frames.push_back({*time_s, tracker.push(image)});
-    const WebcamProblem problem = recording.frames.back().record.problem;
-    if (problem != WebcamProblem::none) ++problems[problem];
+    problems.add(recording.frames.back().record);
   }
   if (recording.frames.empty()) {
     throw InputError(nameOf(place), "has no frame that can be read");
@@ -44,10 +42,9 @@ WebcamRecording readWebcam(const WebcamPlace& place, WebcamTracker& tracker) {
   for (const std::string& remark : {tracker.remark(), frames.remark()}) {
     if (!remark.empty()) recording.warnings.push_back(remark);
   }
-  for (const auto& [problem, count] : problems) {
+  for (const auto& [count, text] : problems.list()) {
     recording.warnings.push_back(std::to_string(count) + " of " +
-                                 std::to_string(recording.frames.size()) +
-                                 " frames: " + std::string(textOf(problem)));
+                                 std::to_string(recording.frames.size()) + " frames: " + text);
   }
   return recording;
 }
@@ -72,7 +69,7 @@ void WebcamSource::poll(double now_s, std::vector<GazeSample>& samples) {
     // A machine too slow for a file's rate loses frames, as it would of a camera.
     if (!camera && std::chrono::steady_clock::now() - begin > kMaxPoll) continue;
     const WebcamFrame frame{camera ? now_s : due_s, tracker_.push(image)};
-    problem_ = frame.record.problem;
+    problem_ = textOf(frame.record.problem, frame.record.ipd_px);
     if (recent_.size() == kMaxKept) recent_.erase(recent_.begin());
     recent_.push_back(frame);
     if (last_s_ && frame.time_s <= *last_s_) continue;  // a camera gave two frames in one poll
@@ -85,9 +82,9 @@ std::vector<WebcamFrame> WebcamSource::takeFrames() { return std::exchange(recen
 
 std::string WebcamSource::status() const {
   return nameOf(place_) +
-         (ended_                            ? ", ended"
-          : problem_ == WebcamProblem::none ? ""
-                                            : ", " + std::string(textOf(problem_))) +
+         (ended_             ? ", ended"
+          : problem_.empty() ? ""
+                             : ", " + problem_) +
          (map_ ? "" : ", not calibrated: foci calibrate gaze --source webcam");
 }
 

@@ -66,7 +66,7 @@ class WebcamSource : public LiveSource {
   std::vector<WebcamFrame> recent_{};
   std::optional<double> first_s_{}, last_s_{};
   bool ended_ = false;
-  WebcamProblem problem_ = WebcamProblem::no_face;
+  std::string problem_ = textOf(WebcamProblem::no_face, 0.0);
 };
 
 }  // namespace foci

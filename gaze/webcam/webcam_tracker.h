@@ -10,6 +10,23 @@
 
 namespace foci {
 
+/// Removes the distortion of a lens from frames, so that straight lines are straight.
+class StraightFrames {
+ public:
+  explicit StraightFrames(const Lens& lens) : lens_(lens) {}
+
+  /// Resamples the frame (linearly) as a pinhole camera with the lens' focal length would show it.
+  /// Returns the frame itself if the lens has no distortion. Valid until the next call.
+  /// @param frame  8 bits, one channel
+  /// @throws InputError if the frame has another size than the lens was calibrated for
+  const cv::Mat& of(const cv::Mat& frame);
+
+ private:
+  Lens lens_;
+  cv::Mat from_, weights_;  // tables of cv::remap
+  cv::Mat straight_;
+};
+
 /// Networks follow the face where their models are installed, else cascades.
 class WebcamTracker {
  public:

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kRate_Hz = 15.0, kShown_s = 0.8;
+constexpr double kRate_Hz = 10.0, kShown_s = 0.8;
 const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.52, 0.2925}, .distance_m = 0.55};
 constexpr std::size_t kFitTargets = 9, kTargets = 13;
 

@@ -7,9 +7,6 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "base/input_error.h"
-#include "gaze/webcam/mesh_pose.h"
-#include "gaze/webcam/webcam_tracker.h"
 #include "tests/faces/watched.h"
 
 namespace foci {
@@ -84,7 +81,7 @@ TEST(FaceNetworks, TheIrisHasLittleScatter) {
   EXPECT_LT(sd.y, kScatter);
 }
 
-TEST(MeshPose, AFaceThatLooksAheadIsNotTurned) {
+TEST(NetworkTracker, AFaceThatLooksAheadIsNotTurned) {
   SKIP_WITHOUT_MODELS();
   double pitch = 0.0, yaw = 0.0;
   for (std::uint32_t person = 0; person < 6; ++person) {
@@ -216,24 +213,6 @@ TEST(NetworkTracker, SeesNoFaceInNoise) {
   NetworkTracker tracker = trackerOf();
   EXPECT_FALSE(tracker.push(noise).face);
   EXPECT_EQ(tracker.push(dark).problem, WebcamProblem::too_dark);
-}
-
-TEST(WebcamTracker, RefusesTheReferenceOfTheOtherTracker) {
-  WebcamReference reference;
-  reference.camera = kCamera;
-  reference.by_networks = FaceNetworks::missing().empty();
-  EXPECT_NO_THROW(WebcamTracker(std::nullopt, reference));
-  reference.by_networks = !reference.by_networks;
-  EXPECT_THROW(WebcamTracker(std::nullopt, reference), InputError);
-}
-
-TEST(WebcamTracker, TakesGreyAndColour) {
-  const faces::Face face(faces::somebody(1));
-  const cv::Mat image = face.photograph({.head_m = {0.0, 0.0, 0.6}}, faces::Photography{});
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  EXPECT_TRUE(WebcamTracker(kCamera).push(image).face);
-  EXPECT_TRUE(WebcamTracker(kCamera).push(grey).face);
 }
 
 }  // namespace

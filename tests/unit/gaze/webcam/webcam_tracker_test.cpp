@@ -1,11 +1,13 @@
-#include "gaze/webcam/straight_frames.h"
+#include "gaze/webcam/webcam_tracker.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "base/input_error.h"
 #include "calibration/camera/camera.h"
+#include "tests/faces/face.h"
 
 namespace foci {
 namespace {
@@ -53,6 +55,24 @@ TEST(StraightFrames, DoNotChangeAPinholesFramesAndRefuseAnotherSize) {
   StraightFrames frames(lens);
   EXPECT_EQ(frames.of(frame).data, frame.data);
   EXPECT_THROW(frames.of(small), InputError);
+}
+
+TEST(WebcamTracker, RefusesTheReferenceOfTheOtherTracker) {
+  WebcamReference reference;
+  reference.camera = kLens;
+  reference.by_networks = FaceNetworks::missing().empty();
+  EXPECT_NO_THROW(WebcamTracker(std::nullopt, reference));
+  reference.by_networks = !reference.by_networks;
+  EXPECT_THROW(WebcamTracker(std::nullopt, reference), InputError);
+}
+
+TEST(WebcamTracker, TakesGreyAndColour) {
+  const faces::Face face(faces::somebody(1));
+  const cv::Mat image = face.photograph({.head_m = {0.0, 0.0, 0.6}}, faces::Photography{});
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  EXPECT_TRUE(WebcamTracker(Lens{kLens, {}, {}}).push(image).face);
+  EXPECT_TRUE(WebcamTracker(Lens{kLens, {}, {}}).push(grey).face);
 }
 
 }  // namespace
