@@ -4,8 +4,8 @@
 #include <exception>
 #include <iostream>
 
-#include "gaze/events/gaze_events.h"
-#include "gaze/sources/trace_reader.h"
+#include <foci/gaze/events/gaze_events.h>
+#include <foci/gaze/sources/trace_reader.h>
 
 int main(int argc, char** argv) try {
   if (argc != 2) {

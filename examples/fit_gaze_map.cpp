@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "calibration/gaze_map/fit_gaze_map.h"
-#include "calibration/gaze_map/gaze_map_file.h"
+#include <foci/calibration/gaze_map/fit_gaze_map.h>
+#include <foci/calibration/gaze_map/gaze_map_file.h>
 
 int main(int argc, char** argv) try {
   if (argc != 3) {

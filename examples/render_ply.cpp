@@ -5,9 +5,9 @@
 #include <exception>
 #include <iostream>
 
-#include "render/image/image_file.h"
-#include "render/methods/method.h"
-#include "render/scene/io/open_scene.h"
+#include <foci/render/image/image_file.h>
+#include <foci/render/methods/method.h>
+#include <foci/render/scene/io/open_scene.h>
 
 int main(int argc, char** argv) try {
   if (argc != 4) {

@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "app/session/session.h"
-#include "base/input_error.h"
-#include "gaze/sources/trace_reader.h"
-#include "render/image/image_file.h"
-#include "render/scene/io/open_scene.h"
+#include <foci/app/session/session.h>
+#include <foci/base/input_error.h>
+#include <foci/gaze/sources/trace_reader.h>
+#include <foci/render/image/image_file.h>
+#include <foci/render/scene/io/open_scene.h>
 
 int main(int argc, char** argv) try {
   if (argc != 4) throw foci::InputError("replay_recording", "expected SCENE GAZE OUT_FOLDER");

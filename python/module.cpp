@@ -3,6 +3,7 @@
 
 #include "base/input_error.h"
 #include "python/bindings.h"
+#include "render/literature/literature.h"
 #include "render/methods/method.h"
 
 namespace py = pybind11;
@@ -74,6 +75,7 @@ Word wordOf(std::string_view word) {
 }  // namespace foci
 
 PYBIND11_MODULE(_foci, module) {
+  foci::registerLiterature();
   module.doc() = "The compiled part of foci. Import `foci` instead.";
   py::register_exception<foci::InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Bad input: one line with the argument, its value and what is expected.";

@@ -19,6 +19,7 @@
 #include "app/platform/warnings.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
+#include "render/literature/literature.h"
 
 namespace foci {
 namespace {
@@ -87,6 +88,7 @@ int main(int argc, char** argv) {
   foci::quietLibraries();
   foci::endOnLostPages();
   foci::endCleanlyOnInterrupts();
+  foci::registerLiterature();
   try {
     const int code = foci::run(argc, argv);
     foci::finishOutput();

@@ -13,8 +13,8 @@
 #include "render/image/srgb.h"
 #include "render/methods/method.h"
 #ifdef FOCI_RAYTRACE
-#include "render/methods/raytrace/mesh_rays.h"
-#include "render/methods/raytrace/triangle_view.h"
+#include "render/literature/raytrace/mesh_rays.h"
+#include "render/literature/raytrace/triangle_view.h"
 #endif
 
 namespace foci {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "base/input_error.h"
@@ -14,19 +15,43 @@
 
 namespace foci {
 
-#define FOCI_METHOD(entry) MethodEntry entry();
-#include "render/methods/every_method.inc"
-#undef FOCI_METHOD
+// Each at the end of its file.
+MethodEntry autoMethod();
+MethodEntry sweepMethod();
+MethodEntry sweepLodMethod();
+MethodEntry accumulateMethod();
+MethodEntry pinholeMethod();
 
 namespace {
 
-const std::vector<MethodEntry>& entries() {
-  static const std::vector<MethodEntry> all = {
-#define FOCI_METHOD(entry) entry(),
-#include "render/methods/every_method.inc"
-#undef FOCI_METHOD
-  };
+struct Registry {
+  std::vector<MethodEntry> entries{};
+  std::vector<MethodInfo> infos{};  // of the entries
+
+  Registry() {
+    for (const auto entry :
+         {autoMethod, sweepMethod, sweepLodMethod, accumulateMethod, pinholeMethod}) {
+      add(entry());
+    }
+  }
+  void add(const MethodEntry& entry) {
+    entries.push_back(entry);
+    infos.push_back(entry.info);
+    infos.back().gaussians = entry.make_of_gaussians != nullptr;
+  }
+};
+
+Registry& registry() {
+  static Registry all;
   return all;
+}
+
+/// Null: there is none.
+const MethodEntry* entryOf(std::string_view name) {
+  const auto& all = registry().entries;
+  const auto found =
+      std::ranges::find(all, name, [](const MethodEntry& one) { return one.info.name; });
+  return found == all.end() ? nullptr : &*found;
 }
 
 /// A parsed spec.
@@ -39,17 +64,15 @@ struct Choice {
 Choice parse(std::string_view spec) {
   const std::size_t colon = spec.find(':');
   const std::string name(spec.substr(0, colon));
-  const auto found = std::find_if(entries().begin(), entries().end(),
-                                  [&](const MethodEntry& one) { return one.info.name == name; });
-  if (found == entries().end()) {
+  const MethodEntry* entry = entryOf(name);
+  if (!entry) {
     std::vector<std::string> known;
-    for (const MethodEntry& one : entries()) known.emplace_back(one.info.name);
+    for (const MethodInfo& one : methods()) known.emplace_back(one.name);
     const auto near = nearWord(name, known);
     return {nullptr, 0,
             near ? "a known method; the nearest is " + *near
                  : std::string("a known method; foci methods lists them")};
   }
-  const MethodEntry* entry = &*found;
   if (colon == std::string_view::npos) return {entry, entry->info.default_n, {}};
   if (const auto& variants = entry->info.variants; !variants.empty()) {
     const auto variant = std::ranges::find(variants, spec.substr(colon + 1));
@@ -181,17 +204,14 @@ RenderStats Method::renderColours(const View& view, const RenderSettings& settin
   return all;
 }
 
-const std::vector<MethodInfo>& methods() {
-  static const auto infos = [] {
-    std::vector<MethodInfo> all;
-    for (const MethodEntry& entry : entries()) {
-      all.push_back(entry.info);
-      all.back().gaussians = entry.make_of_gaussians != nullptr;
-    }
-    return all;
-  }();
-  return infos;
+void registerMethod(const MethodEntry& entry) {
+  if (entryOf(entry.info.name)) {
+    throw std::invalid_argument("method " + std::string(entry.info.name) + ": registered twice");
+  }
+  registry().add(entry);
 }
+
+const std::vector<MethodInfo>& methods() { return registry().infos; }
 
 bool rendersEllipses(std::string_view spec) { return infoOf(spec).ellipses; }
 

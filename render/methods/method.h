@@ -146,7 +146,7 @@ struct MethodInfo {
   std::vector<std::string_view> variants = {};
 };
 
-/// A method's own file defines its entry, in a function that every_method.inc lists.
+/// A method's own file defines its entry.
 struct MethodEntry {
   MethodInfo info;
   /// @param n  1 to `info.max_n`, or `info.default_n`; ignored where `max_n` is 0
@@ -171,7 +171,12 @@ std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int n, const SharedGpu&
   }
 }
 
-/// Every method, in the order of every_method.inc.
+/// Adds a method: from then on every function below knows it. Call it before other threads use
+/// methods. The texts of the entry must live as long as the program.
+/// @throws std::invalid_argument if a method has this name
+void registerMethod(const MethodEntry& entry);
+
+/// Every method, in the order of registration.
 const std::vector<MethodInfo>& methods();
 
 // A spec names a method: `name`, or `name:N` where the method takes a number or has variants. The

@@ -44,8 +44,24 @@ def check_components(cmake, prefix, cxx, folder):
         "find_package(foci REQUIRED COMPONENTS ${asked})\n")
     configure = [cmake, "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
                  f"-DCMAKE_CXX_COMPILER={cxx}"]
-    run(*configure, "-Dasked=base;render;gaze;calibration;eye")
-    refused(*configure, "-Dasked=render;sound", says="unknown component sound: expected one of base, render, gaze")
+    run(*configure, "-Dasked=base;render;literature;gaze;calibration;eye")
+    refused(*configure, "-Dasked=render;sound", says="unknown component sound: expected one of base, render, literature, gaze")
+
+
+def check_subproject(cmake, cxx, folder):
+    """A project that adds foci gets its targets without the program's packages, and none of its flags."""
+    folder.mkdir()
+    (folder / "main.cpp").write_text("#include <foci/app/session/session.h>\nint main() { return foci::methods().empty(); }\n")
+    (folder / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.25)\nproject(embeds LANGUAGES CXX)\n"
+        f'add_subdirectory("{EXAMPLES.parent}" foci EXCLUDE_FROM_ALL)\n'
+        "add_executable(embeds main.cpp)\ntarget_link_libraries(embeds PRIVATE foci::eye)\n")
+    absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON" for package in ("glfw3", "CLI11", "GTest", "benchmark")]
+    run(cmake, "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={cxx}", *absent)
+    run("ninja", "-C", folder / "build", "CMakeFiles/embeds.dir/main.cpp.o", "foci/libfoci_base.a")
+    libraries = run("ninja", "-C", folder / "build", "-n", "-v", "embeds")
+    for absent in ("libzmq", "libglfw", "imgui", "-Werror"):
+        expect(absent not in libraries, f"a project that adds foci gets {absent}")
 
 
 def check_headers(include, cxx):
@@ -97,12 +113,16 @@ def main():
         expect("-Werror" not in (programs / "build.ninja").read_text(), "the flags of foci leak to its users")
 
         check_components(cmake, prefix, cxx, folder / "components")
+        check_subproject(cmake, cxx, folder / "subproject")
         write_inputs(folder)
         out = run(programs / "render_ply", "square.ply", "2", "square.png", cwd=folder)
         expect("441 surfels" in out and (folder / "square.png").read_bytes().startswith(b"\x89PNG"), out)
         for focus in ("0", "-1", "near", "2m"):
             refused(programs / "render_ply", "square.ply", focus, "no.png", says=f"FOCUS_METRES {focus}: ", cwd=folder)
         expect(not (folder / "no.png").exists(), "an image for a focus that is none")
+        out = run(programs / "own_method", "square.ply", "grey.png", cwd=folder)
+        expect(out.split() == ["auto", "sweep", "sweep-lod", "accumulate", "pinhole", "grey"], out)
+        expect((folder / "grey.png").exists(), "no image by the method of one's own")
         out = run(programs / "detect_fixations", "recording.tsv", cwd=folder).splitlines()
         expect(len(out) == 3 and abs(float(out[2].split("\t")[2]) - 1300) < 5, f"not two fixations: {out}")
         out = run(programs / "fit_gaze_map", "pairs.tsv", "map.toml", cwd=folder)

@@ -19,8 +19,8 @@
 #include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
 #ifdef FOCI_RAYTRACE
-#include "render/methods/raytrace/mesh_rays.h"
-#include "render/methods/raytrace/triangle_view.h"
+#include "render/literature/raytrace/mesh_rays.h"
+#include "render/literature/raytrace/triangle_view.h"
 #endif
 #include "tests/cube_mesh.h"
 

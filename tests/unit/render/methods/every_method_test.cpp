@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <stdexcept>
 #include <string>
 
 #include "tests/unit/render/method_scenes.h"
@@ -44,6 +45,13 @@ SurfelCloud randomCloud(int n) {
 }
 
 class EveryMethod : public testing::TestWithParam<std::string> {};
+
+TEST(Methods, HaveNamesOfTheirOwn) {
+  for (const MethodInfo& method : methods()) {
+    EXPECT_THROW(registerMethod({.info = {.name = method.name}, .make = nullptr}),
+                 std::invalid_argument);
+  }
+}
 
 TEST_P(EveryMethod, SameBytesAtAnyNumberOfThreads) {
   const SurfelCloud cloud = randomCloud(4000);

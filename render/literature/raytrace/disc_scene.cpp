@@ -1,0 +1,117 @@
+#include "render/literature/raytrace/disc_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "render/kernel/kernel.h"
+#include "render/kernel/limits.h"
+
+namespace foci {
+namespace {
+
+/// A surfel's hit at an offset from the splat's centre, seen through a lens point. The weight
+/// equals the projection's (render/splat/project.cpp).
+std::optional<Hit> hitAt(const SeenSurfel& surfel, std::uint32_t index,
+                         const glm::vec2& lens_px_per_D, const glm::vec2& offset) {
+  const glm::vec2 u = surfel.u_px + lens_px_per_D * surfel.u_D;
+  const glm::vec2 v = surfel.v_px + lens_px_per_D * surfel.v_D;
+  static const KernelShape shape = kernelShape(kMaxExponent);
+  const float vxx = u.x * u.x + v.x * v.x + 1.0f, vyy = u.y * u.y + v.y * v.y + 1.0f;
+  const float area_px = surfel.area_per_axes * std::abs(u.x * v.y - u.y * v.x);
+  if (!(area_px > 0.0f && area_px < kLargest_px2 && vxx < kLargest_px2 && vyy < kLargest_px2)) {
+    return std::nullopt;
+  }
+  const float vxy = u.x * u.y + v.x * v.y, det = vxx * vyy - vxy * vxy;
+  const float q_det =
+      vyy * offset.x * offset.x - 2.0f * vxy * offset.x * offset.y + vxx * offset.y * offset.y;
+  if (!(q_det < shape.support2 * det)) return std::nullopt;
+  const float t = 1.0f - q_det / (shape.support2 * det);
+  const float weight =
+      (shape.k0 + t * (shape.k1 + t * shape.k2)) * area_px / (shape.support2 * std::sqrt(det));
+  return Hit{index, weight, -offset / std::sqrt(shape.support2 * std::min(vxx, vyy))};
+}
+
+/// A ray and the hits that it gathers, as Embree hands them back to the filter.
+struct Gathering {
+  EmbreeContext context;  // first: Embree knows this member only
+  const std::vector<SeenSurfel>* surfels;
+  glm::vec2 lens_px_per_D;
+  glm::vec2 pixel;
+  float focus_D;
+  std::vector<Hit>* hits;
+};
+
+/// Records a hit and lets the ray continue.
+void gather(const RTCFilterFunctionNArguments* arguments) {
+  arguments->valid[0] = 0;
+  const auto& ray = *reinterpret_cast<const Gathering*>(arguments->context);
+  const auto index = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  const SeenSurfel& surfel = (*ray.surfels)[index];
+  const glm::vec2 center = surfel.center_px + ray.lens_px_per_D * (ray.focus_D - surfel.vergence_D);
+  const auto hit = hitAt(surfel, index, ray.lens_px_per_D, ray.pixel - center);
+  if (hit && hit->weight > 0.0f) ray.hits->push_back(*hit);
+}
+
+}  // namespace
+
+DiscScene::DiscScene(const std::vector<SeenSurfel>& surfels, const Defocus& defocus)
+    : surfels_(surfels), defocus_(defocus) {
+  // Scale v so that a dioptre is as long as the largest shift of a line over a dioptre.
+  const float steepest = std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
+  px_per_D_ = steepest > 0.0f && std::isfinite(steepest) ? steepest : 1.0f;
+  RTCGeometry discs = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
+  auto* vertices = static_cast<glm::vec4*>(rtcSetNewGeometryBuffer(
+      discs, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(glm::vec4), surfels.size()));
+  auto* normals = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+      discs, RTC_BUFFER_TYPE_NORMAL, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), surfels.size()));
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    const glm::vec4 disc = discOf(surfels[i]);
+    vertices[i] = disc;
+    normals[i] = {0.0f, 0.0f, 1.0f};
+    nearest_ = std::min(nearest_, disc.z - 4.0f * disc.w);
+    furthest_ = std::max(furthest_, disc.z + 1.0f);
+  }
+  rtcSetGeometryOccludedFilterFunction(discs, gather);
+  scene_.build(discs);
+}
+
+void DiscScene::trace(const glm::vec2& pixel, const glm::vec2& lens, std::vector<Hit>& hits) const {
+  hits.clear();
+  Gathering line{.context = {},
+                 .surfels = &surfels_,
+                 .lens_px_per_D = lens * defocus_.radius_px_per_D,
+                 .pixel = pixel,
+                 .focus_D = defocus_.focus_D,
+                 .hits = &hits};
+  const glm::vec2 j = defocus_.astigmatism_D;
+  line.pixel -= defocus_.radius_px_per_D *
+                glm::vec2(j.x * lens.x + j.y * lens.y, j.y * lens.x - j.x * lens.y);
+  const glm::vec2 slope = line.lens_px_per_D / px_per_D_;
+  const glm::vec2 from = line.pixel - line.lens_px_per_D * defocus_.focus_D + slope * nearest_;
+  RTCRay ray{};
+  ray.org_x = from.x;
+  ray.org_y = from.y;
+  ray.org_z = nearest_;
+  ray.dir_x = slope.x;
+  ray.dir_y = slope.y;
+  ray.dir_z = 1.0f;
+  ray.tfar = furthest_ - nearest_;
+  ray.mask = ~0u;
+  scene_.occlude(line.context, ray);
+  std::sort(hits.begin(), hits.end(),
+            [](const Hit& a, const Hit& b) { return a.surfel < b.surfel; });
+}
+
+/// A disc that contains the footprint through every lens point, with a margin for rounding.
+glm::vec4 DiscScene::discOf(const SeenSurfel& surfel) const {
+  const float lens_px_per_D = std::max(defocus_.radius_px_per_D.x, defocus_.radius_px_per_D.y);
+  const float u = glm::length(surfel.u_px) + lens_px_per_D * std::abs(surfel.u_D);
+  const float v = glm::length(surfel.v_px) + lens_px_per_D * std::abs(surfel.v_D);
+  const float radius = std::sqrt(kWidestSupport2 * (u * u + v * v + 1.0f));
+  const float z = surfel.vergence_D * px_per_D_;
+  const float rounding = 1e-5f * (std::abs(surfel.center_px.x) + std::abs(surfel.center_px.y) + z);
+  return {surfel.center_px, z, 1.001f * radius + rounding};
+}
+
+}  // namespace foci
