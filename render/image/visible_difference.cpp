@@ -48,7 +48,7 @@ glm::vec3 filtered(const std::vector<float>& weights, int i, int count, const At
 /// CIE 1976 L*a*b* of linear RGB.
 glm::vec3 labOf(const glm::vec3& rgb) {
   const auto curve = [](float t) {
-    return t > kLinearBelow ? std::cbrt(t) : kLinearSlope * t + 16.0f / 116.0f;
+    return t > kLinearBelow ? static_cast<float>(std::cbrt(double{t})) : kLinearSlope * t + 16.0f / 116.0f;
   };
   const glm::vec3 xyz = kXyzOfWhite * rgb;
   return kLabOfCurve * glm::vec3(curve(xyz.x), curve(xyz.y), curve(xyz.z)) -
@@ -107,7 +107,7 @@ std::vector<float> visibleDifference(const Frame& a, const std::vector<glm::vec3
 
 glm::mat3 visibleDifferencePerLight(const glm::vec3& rgb) {
   const auto slope = [](float t) {
-    const float root = std::cbrt(t);
+    const auto root = static_cast<float>(std::cbrt(double{t}));
     return t > kLinearBelow ? 1.0f / (3.0f * root * root) : kLinearSlope;
   };
   const glm::vec3 xyz = kXyzOfWhite * glm::clamp(rgb, 0.0f, 1.0f);

@@ -57,7 +57,8 @@ inline constexpr CoverageRamp kSharpRamp{0.9f, 0.98f}, kBlurredRamp{0.98f, 0.995
 inline float closingFactor(float low_pass_px, float blur_px) {
   if (low_pass_px == 0.0f) return 1.0f;
   const float sigma_px = std::sqrt(low_pass_px * low_pass_px + 0.25f * blur_px * blur_px);
-  const float inside = 0.5f * std::erfc(-blur_px / (1.41421356f * sigma_px));
+  const double edge = -blur_px / (1.41421356f * sigma_px);
+  const auto inside = static_cast<float>(0.5 * std::erfc(edge));
   return 1.0f / (inside * std::sqrt(inside));
 }
 

@@ -20,9 +20,9 @@ MethodEntry raytraceMethod();
 
 void registerLiterature() {
   [[maybe_unused]] static const bool done = [] {
-    for (const auto entry : {paperMethod, paperLodMethod, potmesilMethod, rokitaMethod,
-                             layeredMethod, matthewsMethod, shinyaMethod, fearingMethod,
-                             mulderMethod, rasanenMethod, inflateMethod}) {
+    for (const auto entry :
+         {paperMethod, paperLodMethod, potmesilMethod, rokitaMethod, layeredMethod, matthewsMethod,
+          shinyaMethod, fearingMethod, mulderMethod, rasanenMethod, inflateMethod}) {
       registerMethod(entry());
     }
 #ifdef FOCI_RAYTRACE

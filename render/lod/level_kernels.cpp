@@ -23,7 +23,7 @@ LevelKernels levelKernels(const MomentTree& tree, int level) {
     // The variance in the plane across the normal, and its axes.
     const float xx = node.covariance_m2(x, x), yy = node.covariance_m2(y, y);
     const float xy = node.covariance_m2(x, y);
-    const float angle = 0.5f * std::atan2(2.0f * xy, xx - yy);
+    const auto angle = static_cast<float>(0.5 * std::atan2(2.0 * xy, double{xx - yy}));
     const float middle = 0.5f * (xx + yy), apart = std::hypot(0.5f * (xx - yy), xy);
     const float own = static_cast<float>(node.own) * (1.0f / 65535.0f);
     const float u = std::sqrt(own * (middle + apart));

@@ -159,7 +159,8 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
         smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * rendered;
       }
       if (glm::dot(d, d) > kBorderReach * kBorderReach * rendered * rendered) {
-        angles.push_back(std::atan2(glm::dot(d, along_v), glm::dot(d, along_u)));
+        angles.push_back(static_cast<float>(
+            std::atan2(double{glm::dot(d, along_v)}, double{glm::dot(d, along_u)})));
       }
       if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * width) continue;
       sheet.push_back(j);

@@ -16,7 +16,8 @@ Defocus defocusOfLens(double aperture_m, const glm::vec2& focal_px, double focus
 
 glm::vec2 nearestMeridian(const Defocus& defocus) {
   // F's eigenvector: half the angle of (J0, J45).
-  const float angle_rad = 0.5f * std::atan2(defocus.astigmatism_D.y, defocus.astigmatism_D.x);
+  const double angle_rad =
+      0.5 * std::atan2(double{defocus.astigmatism_D.y}, double{defocus.astigmatism_D.x});
   return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 

@@ -124,7 +124,8 @@ double meanArea_m2(const Covariance3& covariance_m2) {
 float peakOf(float opacity) { return opacity <= 1.0f ? opacity : std::exp(opacity - 1.0f); }
 
 float opacityAfterLowPass(float opacity, float growth, float shrinkage) {
-  return kMinAlpha + std::log1p(growth * shrinkage * std::expm1(opacity - kMinAlpha));
+  const double light = growth * shrinkage * std::expm1(double{opacity - kMinAlpha});
+  return kMinAlpha + static_cast<float>(std::log1p(light));
 }
 
 GaussianMoments momentsOf(const GaussianCloud& cloud, std::size_t i) {

@@ -150,7 +150,7 @@ class Reader {
           const unsigned step = high_.at(i, axis) << 8u | low_.at(i, axis);
           const float n =
               low[axis] + (high[axis] - low[axis]) * static_cast<float>(step) / 65535.0f;
-          raw.position[at] = std::copysign(std::expm1(std::abs(n)), n);
+          raw.position[at] = std::copysign(static_cast<float>(std::expm1(std::abs(double{n}))), n);
           raw.sigma[at] = std::exp(sigmas[axis][sigma_.at(i, axis)]);
           raw.color[at] = 0.5f + kHarmonic0 * colors[axis][color_.at(i, axis)];
         }
