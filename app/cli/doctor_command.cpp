@@ -1,11 +1,9 @@
 #include <tbb/global_control.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,18 +23,10 @@
 namespace foci {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kMmPerInch = 25.4;
 constexpr double kPatience_s = 0.5;  // time for a tracker to answer, chosen by eye
-
-std::string firstLineOf(const fs::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line;
-}
 
 Json displayJson(const DisplayFacts& display) {
   Json json = {{"opengl", nullptr}, {"monitors", Json::array()}};
@@ -61,24 +51,15 @@ Json displayJson(const DisplayFacts& display) {
   return json;
 }
 
-/// The cameras that the system lists, also those in use by another program.
 Json camerasJson() {
-  Json cameras = Json::array();
-  std::error_code none;
-  std::vector<fs::path> nodes;
-  for (const auto& entry : fs::directory_iterator("/sys/class/video4linux", none)) {
-    // A camera has further nodes for metadata: only index 0 delivers images.
-    if (firstLineOf(entry.path() / "index") == "0") nodes.push_back(entry.path());
+  Json json = Json::array();
+  for (const Camera& camera : cameras()) {
+    json.push_back({{"device", camera.device},
+                    {"source", "webcam:" + camera.device.substr(sizeof("/dev/video") - 1)},
+                    {"name", camera.name},
+                    {"allowed", camera.allowed}});
   }
-  std::sort(nodes.begin(), nodes.end());
-  for (const fs::path& node : nodes) {
-    const std::string device = "/dev/" + node.filename().string();
-    cameras.push_back({{"device", device},
-                       {"source", "webcam:" + node.filename().string().substr(5)},
-                       {"name", firstLineOf(node / "name")},
-                       {"allowed", access(device.c_str(), R_OK | W_OK) == 0}});
-  }
-  return cameras;
+  return json;
 }
 
 /// The networks of the webcam tracker.
@@ -114,8 +95,7 @@ Json trackersJson(const std::string& place) {
 /// Whether this program came with the Debian package `foci`. Debian then has installed all that it
 /// needs, and nothing that only a build needs is missing.
 bool cameWithPackage() {
-  std::error_code unknown;
-  const std::string program = fs::read_symlink("/proc/self/exe", unknown).string();
+  const std::string program = programFile().string();
   std::ifstream files("/var/lib/dpkg/info/foci.list");
   for (std::string file; std::getline(files, file);) {
     if (file == program) return true;

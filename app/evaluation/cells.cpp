@@ -58,7 +58,7 @@ std::string textOf(Json json) {
 
 std::string programKey() {
   const Machine machine = describeMachine();
-  return "program " + sha256OfFile("/proc/self/exe") + "; " + machine.cpu + ", " +
+  return "program " + sha256OfFile(programFile()) + "; " + machine.cpu + ", " +
          std::to_string(machine.cores) + " cores, " + machine.simd + "; ";
 }
 

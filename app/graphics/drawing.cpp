@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/graphics/gnuplot.h"
+#include "app/platform/gnuplot.h"
 #include "app/graphics/html.h"
 #include "base/text.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/graphics/gnuplot.h"
+#include "app/platform/gnuplot.h"
 
 namespace foci {
 

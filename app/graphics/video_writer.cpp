@@ -1,7 +1,5 @@
 #include "app/graphics/video_writer.h"
 
-#include <sched.h>
-
 #include <array>
 #include <condition_variable>
 #include <deque>
@@ -13,6 +11,7 @@
 #include <string_view>
 #include <thread>
 
+#include "app/platform/machine.h"
 #include "base/file.h"
 #include "base/parallel.h"
 
@@ -20,33 +19,6 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 4;
-
-/// While it lives, the calling thread may run on one core only. libx264 takes as many threads as
-/// the thread that opens it has cores, and writes their number into the file; OpenCV passes it no
-/// other number.
-class OneCore {
- public:
-  OneCore() {
-    if (sched_getaffinity(0, sizeof before_, &before_) != 0) return;
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    for (int core = 0; core < CPU_SETSIZE; ++core) {
-      if (!CPU_ISSET(core, &before_)) continue;
-      CPU_SET(core, &one);
-      break;
-    }
-    changed_ = sched_setaffinity(0, sizeof one, &one) == 0;
-  }
-  ~OneCore() {
-    if (changed_) sched_setaffinity(0, sizeof before_, &before_);
-  }
-  OneCore(const OneCore&) = delete;
-  OneCore& operator=(const OneCore&) = delete;
-
- private:
-  cpu_set_t before_;
-  bool changed_ = false;
-};
 
 /// Why ffmpeg did not open the file, which it does not say. It writes the head of the file at once,
 /// so a small write meets a full disk, too.
@@ -153,6 +125,8 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& si
   worker_->file = file.string();
   const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
   const bool opened = [&] {
+    // libx264 takes as many threads as the thread that opens it has cores, and writes their number
+    // into the file. OpenCV passes it no other number.
     const OneCore one_core;
     return worker_->writer.open(file.string(), cv::CAP_FFMPEG, h264, fps, {size_px.x, size_px.y});
   }();

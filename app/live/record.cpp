@@ -1,10 +1,8 @@
 #include "app/live/record.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "app/platform/output_files.h"
 #include "app/platform/output_folder.h"
@@ -38,10 +36,9 @@ Study studyOfRecord(Study study, double rate_Hz) {
 fs::path madeEmpty(const fs::path& folder) {
   makeRecordFolder(folder);
   // Of two programs that begin a record at once, one gets its first file.
-  const int file =
-      ::open((folder / "gaze.tsv").c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw std::runtime_error(cannotWrite(folder / "gaze.tsv"));
-  ::close(file);
+  std::FILE* const file = std::fopen((folder / "gaze.tsv").c_str(), "wx");
+  if (!file) throw std::runtime_error(cannotWrite(folder / "gaze.tsv"));
+  std::fclose(file);
   return folder;
 }
 

@@ -1,15 +1,13 @@
 #include "app/live/refiner.h"
 
-#include <sched.h>
-#include <sys/resource.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "app/platform/machine.h"
 #include "base/parallel.h"
 
 namespace foci {
@@ -96,10 +94,7 @@ bool Refiner::carryOut(const Step& step, RenderedFrame& rendered) {
 
 void Refiner::run(const std::stop_token& stop) {
   // The frame loop goes first. If the system does not allow that, both share the cores.
-  constexpr int kNice = 10;  // about a tenth of a core beside a thread of nice 0 (setpriority(2))
-  const sched_param usual{};
-  (void)sched_setscheduler(0, SCHED_BATCH, &usual);
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  yieldToOtherThreads();
   tbb::task_arena arena(static_cast<int>(threads_), 1, tbb::task_arena::priority::low);
   while (!stop.stop_requested()) {
     Step step;

@@ -18,7 +18,7 @@
 #include "app/live/pose.h"
 #include "app/live/record.h"
 #include "app/live/remote_control.h"
-#include "app/live/remote_socket.h"
+#include "app/platform/remote_socket.h"
 #include "app/live/renderer.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/output_folder.h"

@@ -1,13 +1,28 @@
 #include "app/platform/machine.h"
 
+#include <sched.h>
+#include <sys/resource.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <thread>
 
 #include "render/splat/sweep.h"
 
 namespace foci {
+namespace fs = std::filesystem;
+namespace {
+
+std::string firstLineOf(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+}  // namespace
 
 Machine describeMachine() {
   Machine machine{.cpu = "unknown",
@@ -27,6 +42,57 @@ Machine describeMachine() {
     machine.system = std::string(system.sysname) + " " + system.release + " " + system.machine;
   }
   return machine;
+}
+
+fs::path programFile() {
+  std::error_code unknown;
+  return fs::read_symlink("/proc/self/exe", unknown);
+}
+
+std::vector<Camera> cameras() {
+  std::error_code none;
+  std::vector<fs::path> nodes;
+  for (const auto& entry : fs::directory_iterator("/sys/class/video4linux", none)) {
+    // A camera has further nodes for metadata: only index 0 delivers images.
+    if (firstLineOf(entry.path() / "index") == "0") nodes.push_back(entry.path());
+  }
+  std::sort(nodes.begin(), nodes.end());
+  std::vector<Camera> all;
+  for (const fs::path& node : nodes) {
+    const std::string device = "/dev/" + node.filename().string();
+    all.push_back({.device = device,
+                   .name = firstLineOf(node / "name"),
+                   .allowed = access(device.c_str(), R_OK | W_OK) == 0});
+  }
+  return all;
+}
+
+struct OneCore::Cores {
+  cpu_set_t set;
+};
+
+OneCore::OneCore() {
+  auto before = std::make_unique<Cores>();
+  if (sched_getaffinity(0, sizeof before->set, &before->set) != 0) return;
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  for (int core = 0; core < CPU_SETSIZE; ++core) {
+    if (!CPU_ISSET(core, &before->set)) continue;
+    CPU_SET(core, &one);
+    break;
+  }
+  if (sched_setaffinity(0, sizeof one, &one) == 0) before_ = std::move(before);
+}
+
+OneCore::~OneCore() {
+  if (before_) sched_setaffinity(0, sizeof before_->set, &before_->set);
+}
+
+void yieldToOtherThreads() {
+  constexpr int kNice = 10;  // setpriority(2)
+  const sched_param usual{};
+  (void)sched_setscheduler(0, SCHED_BATCH, &usual);
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
 }
 
 }  // namespace foci

@@ -1,7 +1,10 @@
 // The machine that a result was computed on.
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
 namespace foci {
 
@@ -13,5 +16,34 @@ struct Machine {
 };
 
 Machine describeMachine();
+
+/// The file of this program; empty if the system does not state it.
+std::filesystem::path programFile();
+
+struct Camera {
+  std::string device;    ///< "/dev/video0"
+  std::string name;      ///< its own; empty if the system does not state it
+  bool allowed = false;  ///< for this user
+};
+
+/// The cameras that the system lists, also those in use by another program.
+std::vector<Camera> cameras();
+
+/// While it lives, the calling thread may run on one core only.
+class OneCore {
+ public:
+  OneCore();
+  ~OneCore();
+  OneCore(const OneCore&) = delete;
+  OneCore& operator=(const OneCore&) = delete;
+
+ private:
+  struct Cores;
+  std::unique_ptr<Cores> before_;  // null: nothing was changed
+};
+
+/// From now on the calling thread takes about a tenth of a core beside a thread that does not
+/// yield, if the system allows that.
+void yieldToOtherThreads();
 
 }  // namespace foci

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/graphics/gnuplot.h"
+#include "app/platform/gnuplot.h"
 #include "app/replay/run_changes.h"
 #include "gaze/geometry/gaze_sample.h"
 

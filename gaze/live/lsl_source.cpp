@@ -1,9 +1,5 @@
 #include "gaze/live/lsl_source.h"
 
-#include <dlfcn.h>
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -17,6 +13,8 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/quiet_stderr.h"
+#include "base/shared_library.h"
 #include "base/text.h"
 #include "gaze/sources/lsl_stream.h"
 #include "gaze/sources/recording_formats.h"
@@ -61,40 +59,21 @@ void silence(LslHandle library) {
     return;
   }
   const auto configure = reinterpret_cast<void (*)(const char*)>(
-      dlsym(library, "lsl_set_config_content"));  // from liblsl 1.17.7 on
+      symbolIn(library, "lsl_set_config_content"));  // from liblsl 1.17.7 on
   if (configure) configure("[log]\nlevel = -3\n");
 }
 
-/// Standard error goes nowhere: the library logs before it has read its configuration.
-class Silence {
- public:
-  Silence() : stderr_(dup(STDERR_FILENO)) {
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (stderr_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
-    if (nowhere >= 0) close(nowhere);
-  }
-  ~Silence() {
-    if (stderr_ < 0) return;
-    dup2(stderr_, STDERR_FILENO);
-    close(stderr_);
-  }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
-
- private:
-  int stderr_;
-};
-
 /// @throws InputError
 LslLibrary loadLsl(const std::string& file) {
-  LslHandle const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  LslHandle const library = openLibrary(file);
   if (!library) {
     throw InputError("--source lsl", "liblsl is not installed: expected " + file +
                                          " (packages: github.com/sccn/liblsl/releases)");
   }
   LslLibrary lsl{};
   const auto find = [&](auto& function, const char* name) {
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
+    function =
+        reinterpret_cast<std::remove_reference_t<decltype(function)>>(symbolIn(library, name));
     if (function) return;
     throw InputError("--source lsl", file + " has no " + name + ": expected liblsl 1.13 or later");
   };
@@ -130,7 +109,7 @@ struct LslSource::Inlet {
   std::atomic<double> correction_s{0.0};  // from the sender's clock to the library's; 0 if unknown
 
   Inlet(const std::string& wanted, const std::string& library) : lsl(loadLsl(library)) {
-    const Silence silence;
+    const QuietStderr quiet;  // the library logs before it has read its configuration
     LslHandle const info = find(wanted);
     handle = lsl.create_inlet(info, kBuffered_s, 0, 1);
     lsl.destroy_streaminfo(info);

@@ -16,7 +16,11 @@ ROOMS = ("base", "render", "gaze", "calibration", "app", "python")
 SOURCES = (".h", ".cpp", ".inc")
 MAX_FILES_AT_THE_ROOT_OF_APP = 3
 OURS = re.compile(r'\s*#\s*include\s*"([^"]+)"')
-POSIX = ("fcntl.h", "unistd.h", "sys/mman.h", "sys/resource.h", "sys/stat.h")  # file descriptors, pages of memory
+POSIX = ("dlfcn.h", "fcntl.h", "unistd.h", "sys/mman.h", "sys/resource.h", "sys/stat.h")  # files, memory, libraries
+# Calls of the operating system; docs/platforms.md lists them.
+PLATFORM = ("base", "app/platform")
+SYSTEM = re.compile(r"(arpa/inet|csignal|dirent|dlfcn|fcntl|glob|net(db|inet/in)|poll|pwd|sched|signal|spawn|sys/\w+|"
+                    r"termios|unistd)(\.h)?")
 OTHERS = re.compile(r"\s*#\s*include\s*<([^>]+)>")
 
 
@@ -99,6 +103,8 @@ def violations(root):
                     may = " ".join(["base"] + graph[folder])
                     found.append(f"{where}: {folder} includes {target}, which is not allowed; allowed: {may}, "
                                  "and the folders that these may include")
+            elif (other := OTHERS.match(line)) and SYSTEM.fullmatch(other.group(1)) and folder not in PLATFORM:
+                found.append(f"{where}: <{other.group(1)}> is included outside {' and '.join(PLATFORM)}")
             elif folder == "base" and (other := OTHERS.match(line)):
                 header = other.group(1)
                 if not header.startswith("tbb/") and header not in POSIX and not re.fullmatch(r"[a-z_]+", header):

@@ -1,12 +1,8 @@
 #include "render/scene/io/foci_container.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 
@@ -80,28 +76,12 @@ FociWriter::FociWriter(const std::filesystem::path& path, const FociHeader& head
   }
   begin_.push_back(at);
   header_.file_bytes = at;
-  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file_ < 0 || ::ftruncate(file_, static_cast<off_t>(at)) != 0) {
-    if (file_ >= 0) ::close(file_);
-    throw std::runtime_error(path.string() + ": cannot be written");
-  }
-}
-
-FociWriter::~FociWriter() { ::close(file_); }
-
-void FociWriter::put(std::uint64_t at, ByteSpan bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(at));
-    if (put < 0 && errno == EINTR) continue;
-    if (put <= 0) throw std::runtime_error(path_.string() + ": cannot be written");
-    at += static_cast<std::uint64_t>(put);
-    bytes = bytes.subspan(static_cast<std::size_t>(put));
-  }
+  file_.emplace(path, at);
 }
 
 void FociWriter::write(std::size_t array, std::uint64_t at, ByteSpan bytes) {
   assert(begin_[array] + at + bytes.size() <= begin_[array + 1]);
-  put(begin_[array] + at, bytes);
+  file_->put(begin_[array] + at, bytes);
 }
 
 void FociWriter::finish() {
@@ -112,7 +92,7 @@ void FociWriter::finish() {
   }
   header_.content_checksum = content.value();
   header_.header_checksum = checksumOf(header_);
-  put(0, {reinterpret_cast<const unsigned char*>(&header_), sizeof(header_)});
+  file_->put(0, {reinterpret_cast<const unsigned char*>(&header_), sizeof(header_)});
 }
 
 void writeFoci(const std::filesystem::path& path, const FociHeader& header,

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/mapped_file.h"
+#include "base/sized_file.h"
 
 namespace foci {
 
@@ -54,9 +56,6 @@ class FociWriter {
   /// @throws std::runtime_error, as all functions here
   FociWriter(const std::filesystem::path& path, const FociHeader& header,
              const std::vector<std::uint64_t>& sizes, std::uint64_t align = 1);
-  ~FociWriter();
-  FociWriter(const FociWriter&) = delete;
-  FociWriter& operator=(const FociWriter&) = delete;
 
   /// @param at  first byte within the array
   void write(std::size_t array, std::uint64_t at, ByteSpan bytes);
@@ -65,12 +64,10 @@ class FociWriter {
   void finish();
 
  private:
-  void put(std::uint64_t at, ByteSpan bytes);
-
   std::filesystem::path path_;
   FociHeader header_;
   std::vector<std::uint64_t> begin_;  // of each array, and the end of the file
-  int file_ = -1;
+  std::optional<SizedFile> file_{};
 };
 
 /// The same at once.

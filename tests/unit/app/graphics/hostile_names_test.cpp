@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "app/graphics/drawing.h"
-#include "app/graphics/gnuplot.h"
+#include "app/platform/gnuplot.h"
 #include "app/graphics/html.h"
 #include "app/platform/json_text.h"
 #include "app/platform/shell_word.h"

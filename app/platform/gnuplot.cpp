@@ -1,4 +1,4 @@
-#include "app/graphics/gnuplot.h"
+#include "app/platform/gnuplot.h"
 
 #include <fcntl.h>
 #include <spawn.h>

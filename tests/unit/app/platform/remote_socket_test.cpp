@@ -1,4 +1,4 @@
-#include "app/live/remote_socket.h"
+#include "app/platform/remote_socket.h"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
