@@ -90,9 +90,9 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
   if (!options.validate.empty()) others = readShownTargets(options.validate);
   WebcamTracker tracker(cameraOf(options));
   const WebcamRecording recording = readWebcam(place, tracker);
-  for (const std::string& warning : recording.warnings) warnings.add(nameOf(place), warning);
   const auto reference = tracker.reference();
   if (!reference) throw InputError(nameOf(place), "no frame shows a face");
+  for (const std::string& warning : recording.warnings) warnings.add(nameOf(place), warning);
   calibration.reference = *reference;
   calibration.screen_m = screen.size_m;
   return calibrateWebcam(pairFrames(recording.frames, targets),

@@ -166,12 +166,16 @@ void NetworkTracker::search(const cv::Mat& image, bool in_doubt) {
   bool is_gone = eyesAreGone() || in_doubt;
   std::vector<FaceMesh> found;
   std::vector<glm::dvec2> known_px;  // middles of the eyes
+  bool found_again = false;          // the followed face
   if (mesh_) known_px.emplace_back(middleOfEyes_px(*mesh_));
   for (const FaceBox& box : networks_.detect(image)) {
     const bool is_known = mesh_ && !is_gone &&
                           glm::distance(0.5 * (box.eyes_px[0] + box.eyes_px[1]), known_px.front()) <
                               0.5 * kSameFace * box.side_px();
-    if (is_known) continue;  // it needs no other mesh
+    if (is_known) {  // it needs no other mesh
+      found_again = true;
+      continue;
+    }
     FaceMesh mesh = networks_.mesh(image, box);
     if (!(mesh.score > kMinMeshScore)) continue;
     const glm::dvec2 middle_px(middleOfEyes_px(mesh));
@@ -182,6 +186,7 @@ void NetworkTracker::search(const cv::Mat& image, bool in_doubt) {
     if (!followed && same != known_px.end()) continue;
     const bool shows_eyes = accept(image, mesh);
     if (followed) {
+      found_again = true;
       known_px.front() = middle_px;
       is_gone = eyesAreGone();
       if (shows_eyes) mesh_ = std::move(mesh);
@@ -197,6 +202,7 @@ void NetworkTracker::search(const cv::Mat& image, bool in_doubt) {
     if (!(mesh_ || found.size() > 1) || mesh.crop().side_px < kMinSize * largest_px) continue;
     const auto eyes = networks_.eyes(image, mesh);
     if (std::min(eyes[0].disagreement, eyes[1].disagreement) >= kMaxDisagreement) continue;
+    if (mesh_ && !found_again) --faces_;  // it was none
     begin(std::move(mesh));
     return;
   }
