@@ -15,7 +15,6 @@
 #include <string_view>
 #include <utility>
 
-#include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/bids_metadata.h"
@@ -190,14 +189,7 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
   std::vector<std::string> assumed;
   const TraceColumns upright = fromUpperLeft(described, metadata, names, screen, assumed);
   const auto side = sideOf(metadata);
-  constexpr std::size_t kEnough = 100, kMany = 8192;  // intervals
-  std::vector<double> intervals_s;
-  double last_s = NAN;
   TraceHeader header = readRows(rows, upright, fallback_screen, [&](const GazeSample& sample) {
-    if (sample.time_s > last_s && intervals_s.size() < kMany) {
-      intervals_s.push_back(sample.time_s - last_s);
-    }
-    last_s = sample.time_s;
     if (!side || sample.eyes[0].point_px || sample.eyes[1].point_px) return take(sample);
     GazeSample own = sample;
     own.eyes[*side] = {
@@ -217,14 +209,6 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
     if (value.find_first_of("123456789") == value.npos) continue;  // "n/a"
     header.warnings.push_back(std::string(key) + " is " + value.substr(0, 40) +
                               ", which is not 0.01 to 20 m: it is left out; is it in metres?");
-  }
-  constexpr double kOtherRate = 1.3;  // times in whole milliseconds make less of a difference
-  const bool enough = before.rate_Hz && intervals_s.size() > kEnough;
-  const double usual_Hz = enough ? 1.0 / quantile(intervals_s, 0.5) : rate_Hz;
-  if (usual_Hz > kOtherRate * rate_Hz || rate_Hz > kOtherRate * usual_Hz) {
-    header.warnings.push_back("SamplingFrequency is " + significant(rate_Hz) +
-                              " Hz, but there are " + significant(usual_Hz) +
-                              " samples a second: is the unit of timestamp right?");
   }
   return header;
 }

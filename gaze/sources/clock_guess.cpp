@@ -96,6 +96,8 @@ std::optional<double> samplesOfFixation(const std::vector<GazeSample>& samples) 
   return static_cast<double>(steps.size()) / static_cast<double>(saccades + 1);
 }
 
+constexpr double kShortest_s = 0.05, kLongest_s = 3.0;  // beyond doubt no fixations
+
 bool isFixation(double samples, double interval_s) {
   return samples * interval_s >= kMinFixation_s && samples * interval_s <= kMaxFixation_s;
 }
@@ -104,13 +106,20 @@ bool isFixation(double samples, double interval_s) {
 /// odd rate, or fixations of an odd duration.
 ClockGuess onlyUnit(double scale_s, double interval, const std::optional<double>& dwell,
                     const std::vector<GazeSample>& samples) {
-  constexpr double kShortest_s = 0.05, kLongest_s = 3.0;  // beyond doubt no fixations
   ClockGuess guess{.scale_s = scale_s};
   const double mean =
       (samples.back().time_s - samples.front().time_s) / static_cast<double>(samples.size() - 1);
   const double fixation_s = dwell ? *dwell * interval * scale_s : 0.0;
   const std::string unit = exactText(scale_s) + " s a unit of time";
   if (interval * scale_s * kMaxUsual_Hz < 1.0 - kRateSlack) return guess;  // doubted for all units
+  const bool ticks = scale_s > 1.0 || scale_s == 1e-4 || scale_s == 1e-7;
+  if (ticks && !(dwell && isFixation(*dwell, interval * scale_s))) {
+    guess.is_open = !dwell;
+    guess.doubt = "the times may be in units of " + exactText(scale_s) + " s, by the rate of " +
+                  significant(1.0 / (scale_s * interval)) +
+                  " Hz alone: if that is wrong, give gaze.time_scale_s";
+    return guess;
+  }
   if (!isUsualRate(1.0 / (scale_s * interval)) && !isUsualRate(1.0 / (scale_s * mean))) {
     guess.doubt = "with " + unit + ", the rate is " + significant(1.0 / (scale_s * interval)) +
                   " Hz, which is no tracker's usual one: if that is wrong, give gaze.time_scale_s";
@@ -145,27 +154,30 @@ ClockGuess guessOfInterval(double interval, bool whole, const std::vector<GazeSa
   }
   const auto dwell = samplesOfFixation(samples);
   if (units.size() == 1) return onlyUnit(units[0], interval, dwell, samples);
+  const std::string both = "times may be in " + unitName(units[0]) + " (" +
+                           significant(rateOf(units[0])) + " Hz) or in " + unitName(units[1]) +
+                           " (" + significant(rateOf(units[1])) + " Hz): give gaze.time_scale_s";
   if (dwell) {
-    std::vector<double> likely;
+    std::vector<double> likely, possible;
     for (const double unit : units) {
+      const double fixation_s = *dwell * interval * unit;
       if (isFixation(*dwell, interval * unit)) likely.push_back(unit);
+      if (fixation_s > kShortest_s && fixation_s < kLongest_s) possible.push_back(unit);
     }
     if (likely.size() == 1) {
       return {.scale_s = likely[0],
               .why = "the usual duration of fixations, " +
-                     significant(*dwell * interval * likely[0], 2) + " s"};
+                     significant(*dwell * interval * likely[0], 2) + " s",
+              .doubt = possible.size() > 1 ? both : ""};
     }
   }
-  const std::string both = "times may be in " + unitName(units[0]) + " (" +
-                           significant(rateOf(units[0])) + " Hz) or in " + unitName(units[1]) +
-                           " (" + significant(rateOf(units[1])) + " Hz): give gaze.time_scale_s";
   if (units[1] == 1e-4) return {.scale_s = units[0], .doubt = both, .is_open = true};
   return {.refusal = both, .is_open = true};
 }
 
 }  // namespace
 
-ClockGuess guessClock(const std::vector<GazeSample>& samples) {
+ClockGuess guessClock(const std::vector<GazeSample>& samples, std::optional<double> rate_Hz) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const double interval = samples[i].time_s - samples[i - 1].time_s;
@@ -173,6 +185,11 @@ ClockGuess guessClock(const std::vector<GazeSample>& samples) {
   }
   if (intervals.empty()) return {};
   const double interval = quantile(intervals, 0.5);
+  for (const double scale_s : {60.0, 1.0, 1e-3, 1e-4, 1e-6, 1e-7, 1e-9}) {
+    constexpr double kNear = 1.1;
+    const double times = rate_Hz.value_or(0.0) * scale_s * interval;
+    if (times < kNear && times > 1.0 / kNear) return {.scale_s = scale_s, .why = "the stated rate"};
+  }
   if (const auto unit = unitOfDate(samples.front().time_s, interval)) {
     return {.scale_s = *unit, .why = "the rate and the size of the times"};
   }

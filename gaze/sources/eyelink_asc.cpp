@@ -17,8 +17,9 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
-#include "gaze/sources/line_reader.h"
+#include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"
+#include "gaze/sources/row_times.h"
 
 namespace foci {
 namespace {
@@ -29,6 +30,7 @@ constexpr double kClock_ms = 1e-3;  // above the rounding of seconds, far below 
 // Both eyelids move together, so a blink of one eye counts as a blink of both. But no blink lasts
 // longer than this: then the tracker has lost one eye, and the other eye's gaze is good.
 constexpr double kMaxBlink_ms = 1000.0;
+constexpr std::size_t kMaxIntervals = 8192;
 constexpr double kSlack_ms = 100.0;  // the line of an event comes a little after its samples
 
 // Messages that the tracker and its software write themselves.
@@ -54,6 +56,9 @@ struct Block {
   std::array<std::deque<Interval>, 2> blinks{};
   std::array<std::optional<double>, 2> blink_from_ms{};
   double newest_ms = 0.0;
+  std::optional<double> rate_Hz{};  // that the line SAMPLES states
+  std::vector<double> intervals_s{};
+  bool has_more = false;  // each sample has more values than the eyes'
 };
 
 class AscReader {
@@ -77,7 +82,7 @@ class AscReader {
       }
     }
     if (cut_) {
-      header_.warnings.emplace_back("the last line is cut off and left out: is the file complete?");
+      header_.warnings.emplace_back(kCutOff);
     } else if (block_.open) {
       header_.warnings.emplace_back(
           "the last recording block has no END, so the file may be cut off: is it complete?");
@@ -142,6 +147,10 @@ class AscReader {
       setEyes();
     } else if (kind == "SAMPLES" && block_.open) {
       setEyes();
+      for (std::size_t i = 1; i < words_.size(); ++i) {
+        if (words_[i] == "RATE") block_.rate_Hz = number(i + 1);
+        block_.has_more |= isWordOf("VEL RES INPUT BUTTONS STATUS HTARGET", words_[i]);
+      }
       remote_ |= std::find(words_.begin(), words_.end(), "HTARGET") != words_.end();
       if (words_.size() > 1 && (words_[1] == "HREF" || words_[1] == "PUPIL")) {
         throw lines_.error("samples in " + shown(words_[1]) +
@@ -270,6 +279,7 @@ class AscReader {
       if (!any_) throw *cut_;
       return;  // the last line may be cut off; a line behind it throws
     }
+    if (!block_.has_samples) requireStatedEyes(line, eyes);
     const double stamp_ms = number(0);
     double time_ms = stamp_ms;
     if (stamp_ms == last_stamp_ms_ && time_ms_ == stamp_ms) time_ms = stamp_ms + 0.5;
@@ -278,6 +288,9 @@ class AscReader {
           block_.has_samples ? "" : ": another recording begins here, so write a file for each";
       throw lines_.error("time " + shown(words_[0]) + " ms is not after the sample before" +
                          advice);
+    }
+    if (block_.has_samples && block_.intervals_s.size() < kMaxIntervals) {
+      block_.intervals_s.push_back((time_ms - time_ms_) / kSecond_ms);
     }
     last_stamp_ms_ = stamp_ms;
     time_ms_ = time_ms;
@@ -304,6 +317,21 @@ class AscReader {
         cyclopean_.combine(sample.time_s, sample.eyes[0].point_px, sample.eyes[1].point_px);
     held_.push_back(sample);
     while (stamp_ms - held_.front().time_s * kSecond_ms > kMaxBlink_ms + kSlack_ms) release();
+  }
+
+  /// The flags behind the values have three characters for one eye and five for two.
+  void requireStatedEyes(std::string_view line, int eyes) const {
+    std::vector<std::string_view> words;
+    splitWords(line, words);
+    const auto flags = std::ranges::find_if(words, [](std::string_view word) {
+      return (word.size() == 3 || word.size() == 5) && word.find_first_not_of(".CRI") == word.npos;
+    });
+    const bool has_more = !block_.has_more && flags == words.end() && words.size() >= 7;
+    const int found = flags == words.end() ? (has_more ? 2 : eyes) : flags->size() == 3 ? 1 : 2;
+    if (found == eyes) return;
+    throw lines_.error("a sample of " + std::to_string(found) +
+                       " eyes, but START and SAMPLES state " + std::to_string(eyes) +
+                       ": expected LEFT and RIGHT there for two eyes");
   }
 
   glm::dvec2 pointOnScreen_px(std::size_t word, const glm::dvec2& point) const {
@@ -358,6 +386,7 @@ class AscReader {
       }
     }
     while (!held_.empty()) release();
+    if (block_.rate_Hz) warnOfRate(*block_.rate_Hz, std::move(block_.intervals_s), header_);
     block_.open = false;
   }
 

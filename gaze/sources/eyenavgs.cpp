@@ -11,16 +11,13 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/text.h"
-#include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/line_reader.h"
 #include "gaze/sources/recording_formats.h"
-#include "gaze/sources/space_layout.h"
-#include "gaze/sources/swift_number.h"
 
 namespace foci {
 namespace {
@@ -28,26 +25,14 @@ namespace {
 constexpr std::string_view kHeader =
     "ViewIndex,FOV1,FOV2,FOV3,FOV4,PositionX,PositionY,PositionZ,QuaternionX,QuaternionY,"
     "QuaternionZ,QuaternionW,GazePosX,GazePosY,GazePosZ,GazeQX,GazeQY,GazeQZ,GazeQW,Timestamp";
-constexpr std::size_t kColumns = 20;
+constexpr std::size_t kPlaceAt = 5, kHeadTurnAt = 8, kGazePlaceAt = 12, kGazeTurnAt = 15,
+                      kTimeAt = 19;
 constexpr double kUnitQuaternion = 0.05;  // quaternions of three decimals
 constexpr double kMaxPlace = 1e5;         // scene's units
-constexpr double kMaxStamp_s = 1e6;       // of a recording that begins at 0
+constexpr double kMaxStamp_ms = 1e9;      // of a recording that begins at 0
 
-/// A row: one eye.
-struct EyeRow {
-  std::size_t side = 0;
-  std::array<double, 4> fov_rad{};
-  glm::dvec3 position{0.0}, gaze_position{0.0};
-  glm::dquat head{};
-  std::optional<glm::dquat> gaze{};  // absent: of length 0, as in a blink
-  double time_s = 0.0;
-
-  /// The eye tracker was off if the pose is that of no turn at the origin.
-  bool hasGaze() const {
-    return gaze && (gaze_position != glm::dvec3(0.0) ||
-                    glm::dvec3(gaze->x, gaze->y, gaze->z) != glm::dvec3(0.0));
-  }
-};
+/// The numbers of a row: one eye.
+using EyeRow = std::array<double, 20>;
 
 /// The properties of a scene in scene_setting.csv.
 struct SceneSetting {
@@ -90,102 +75,71 @@ std::optional<SceneSetting> settingBeside(const std::filesystem::path& recording
   return std::nullopt;
 }
 
-class EyeNavGsReader {
+/// Rows of both eyes as samples, in the scene's units.
+class EyeNavGsRows {
  public:
-  EyeNavGsReader(LineReader& lines, const TraceColumns& columns, const TakeSample& take)
-      : lines_(lines), given_(columns), take_(take), setting_(settingBeside(lines.fileName())) {
-    scale_m_ = setting_ ? 1.0 / setting_->units_per_m : given_.space.head_scale_m;
-  }
+  /// @param from_head  without gaze, an eye's origin is its place
+  EyeNavGsRows(LineReader& lines, bool from_head) : lines_(lines, 20), from_head_(from_head) {}
 
-  TraceHeader read() {
-    std::string_view line;
-    while (lines_.next(line)) {
-      if (trimmed(line).empty()) continue;
-      if (cut_) throw *cut_;
-      splitFields(line, ',', fields_);
-      // The last line may be cut off.
-      if (fields_.size() < kColumns && rows_ > 1) {
-        cut_ = tooShort();
-        continue;
-      }
+  NumberRows read() {
+    std::optional<EyeRow> first;  // waits for the other eye
+    while (lines_.next()) {
       const EyeRow row = readRow();
-      if (rows_++ == 0) setField(row);
-      if (first_ && row.side != first_->side) {
-        pass(*first_, &row);
-        first_.reset();
+      if (!field_) field_ = fieldOf(row);
+      if (first && row[0] != (*first)[0]) {
+        // The eyes are half of the distance between them away from the middle, which is the head's
+        // place. A lone eye's row cannot tell the middle.
+        pass(*first, row);
+        first.reset();
       } else {
-        if (first_) pass(*first_, nullptr);
-        first_ = row;
+        first = row;
       }
     }
-    if (first_) pass(*first_, nullptr);
-    if (rows_ > 0 && gazes_ == 0) {
+    if (field_ && gazes_ == 0 && !from_head_) {
       throw InputError(
           lines_.fileName(),
           "no gaze: GazePos and GazeQ are 0, 0, 0 in every row, so the eye tracker was off; "
           "expected a recording with gaze, or gaze.from_head = true, which takes the head's "
           "direction for gaze");
     }
-    return header();
+    std::vector<std::string> names = worldColumnNames();
+    for (const std::string eye : {"left ", "right "}) {
+      for (const char* part : {"x", "y", "z", "qx", "qy", "qz", "qw"}) names.push_back(eye + part);
+    }
+    return {lines_.fileName(), std::move(names), std::move(values_)};
   }
+
+  const FixedLines& lines() const { return lines_; }
+  EyeField field() const { return field_.value_or(EyeField{}); }
 
  private:
-  double number(std::size_t column, double limit) const {
-    const std::string_view text = fields_[column];
-    const auto value = fieldNumber(text);
-    if (!value || !(std::abs(*value) <= limit)) {
-      throw lines_.error("column " + std::to_string(column + 1) + " = " + shown(text) +
-                         ": expected a number up to " + significant(limit));
-    }
-    return *value;
-  }
-
-  glm::dvec3 place(std::size_t column) const {
-    return {number(column, kMaxPlace), number(column + 1, kMaxPlace),
-            number(column + 2, kMaxPlace)};
-  }
-
-  /// @return nothing for a quaternion of zeros
-  std::optional<glm::dquat> rotation(std::size_t column) const {
-    const glm::dquat q(number(column + 3, 1.1), number(column, 1.1), number(column + 1, 1.1),
-                       number(column + 2, 1.1));
-    if (glm::length(q) == 0.0) return std::nullopt;
-    if (std::abs(glm::length(q) - 1.0) > kUnitQuaternion) {
-      throw notUnit(column);
-    }
-    return glm::normalize(q);
-  }
-
-  InputError notUnit(std::size_t column) const {
-    return lines_.error("columns " + std::to_string(column + 1) + " to " +
-                        std::to_string(column + 4) +
-                        ": expected a quaternion x, y, z, w of length 1");
-  }
-
-  InputError tooShort() const {
-    return lines_.error(std::to_string(fields_.size()) + " fields: expected 20");
-  }
-
+  /// Places and stamps are bounded, quaternions have the length 1, or 0 where gaze is lost.
   EyeRow readRow() const {
-    if (fields_.size() < kColumns) throw tooShort();
-    const double side = number(0, 1.0);
-    if (side != 0.0 && side != 1.0) {
-      throw lines_.error("ViewIndex = " + shown(fields_[0]) + ": expected 0 (left) or 1 (right)");
+    EyeRow row{};
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const bool place =
+          (i >= kPlaceAt && i < kHeadTurnAt) || (i >= kGazePlaceAt && i < kGazeTurnAt);
+      row[i] = lines_.number(i, i == 0         ? 1.0
+                                : i < kPlaceAt ? 1.5
+                                : place        ? kMaxPlace
+                                : i < kTimeAt  ? 1.1
+                                               : kMaxStamp_ms);
     }
-    EyeRow row{.side = static_cast<std::size_t>(side)};
-    for (std::size_t i = 0; i < 4; ++i) row.fov_rad[i] = number(1 + i, 1.5);
-    row.position = place(5);
-    const auto head = rotation(8);
-    if (!head) throw notUnit(8);
-    row.head = *head;
-    row.gaze_position = place(12);
-    row.gaze = rotation(15);
-    row.time_s = 1e-3 * number(19, 1e3 * kMaxStamp_s);
+    if (row[0] != 0.0 && row[0] != 1.0) {
+      throw lines_.error("ViewIndex = " + exactText(row[0]) + ": expected 0 (left) or 1 (right)");
+    }
+    for (const std::size_t at : {kHeadTurnAt, kGazeTurnAt}) {
+      const double length = glm::length(glm::dvec4(row[at], row[at + 1], row[at + 2], row[at + 3]));
+      if (std::abs(length - 1.0) <= kUnitQuaternion || (at == kGazeTurnAt && length == 0.0))
+        continue;
+      throw lines_.error("columns " + std::to_string(at + 1) + " to " + std::to_string(at + 4) +
+                         ": expected a quaternion x, y, z, w of length 1");
+    }
     return row;
   }
 
-  void setField(const EyeRow& row) {
-    const auto& [left, right, down, up] = row.fov_rad;
+  EyeField fieldOf(const EyeRow& row) const {
+    const double left = row[1], right = row[2], down = row[3], up = row[4];
     if (!(left < 0.0 && right > 0.0 && down < 0.0 && up > 0.0)) {
       throw lines_.error(
           "FOV1 to FOV4: expected angles to the left (below 0), right, down (below "
@@ -195,106 +149,94 @@ class EyeNavGsReader {
                    .right_deg = glm::degrees(right),
                    .up_deg = glm::degrees(up),
                    .down_deg = -glm::degrees(down)};
-    if (row.side == 1) std::swap(field.left_deg, field.right_deg);
-    field_ = given_.field.value_or(field);
-    screen_ = headsetScreen(fieldOfBothEyes(field_), given_.pixels_per_degree);
+    if (row[0] == 1.0) std::swap(field.left_deg, field.right_deg);
+    return field;
   }
 
-  /// @param other  the other eye's row of the same moment; null: missing
-  void pass(const EyeRow& row, const EyeRow* other) {
-    GazeSample sample{.time_s = row.time_s};
-    if (last_s_ && !(sample.time_s > *last_s_)) {
-      throw lines_.error("time " + exactText(1e3 * sample.time_s) +
-                         " is not after the sample before: was the recording started twice? "
-                         "Write a file for each");
-    }
-    last_s_ = sample.time_s;
-    // The eyes are half of the distance between them away from the middle, which is the head's
-    // place. A lone eye's row cannot tell the middle.
-    if (!other) return;
-    sample.head = HeadInWorld{.position_m = 0.5 * scale_m_ * (row.position + other->position),
-                              .world_from_head = row.head};
-    const glm::dquat head_from_world = glm::conjugate(row.head);
-    for (const EyeRow* each : {&row, other}) {
-      EyeSample& eye = sample.eyes[each->side];
-      if (given_.space.from_head) {
-        eye.origin_m = head_from_world * (scale_m_ * each->position - sample.head->position_m);
-        continue;
+  /// The eye tracker was off if the quaternion is 0, or the pose that of no turn at the origin.
+  static bool hasGaze(const EyeRow& row) {
+    const auto any = [&](std::size_t from, std::size_t to) {
+      return std::any_of(row.begin() + static_cast<std::ptrdiff_t>(from),
+                         row.begin() + static_cast<std::ptrdiff_t>(to),
+                         [](double number) { return number != 0.0; });
+    };
+    return any(kGazeTurnAt, kTimeAt) && any(kGazePlaceAt, kTimeAt - 1);
+  }
+
+  void pass(const EyeRow& first, const EyeRow& second) {
+    values_.push_back(first[kTimeAt]);
+    for (std::size_t i = kPlaceAt; i < kHeadTurnAt; ++i)
+      values_.push_back(0.5 * (first[i] + second[i]));
+    values_.insert(values_.end(), first.begin() + kHeadTurnAt, first.begin() + kGazePlaceAt);
+    for (const EyeRow* eye :
+         {first[0] == 0.0 ? &first : &second, first[0] == 0.0 ? &second : &first}) {
+      const bool has_gaze = !from_head_ && hasGaze(*eye);
+      gazes_ += has_gaze;
+      for (std::size_t i = 0; i < 7; ++i) {
+        const bool origin = from_head_ && i < 3;
+        values_.push_back(origin     ? (*eye)[kPlaceAt + i]
+                          : has_gaze ? (*eye)[kGazePlaceAt + i]
+                                     : std::numeric_limits<double>::quiet_NaN());
       }
-      if (!each->hasGaze()) continue;
-      eye.origin_m = head_from_world * (scale_m_ * each->gaze_position - sample.head->position_m);
-      eye.direction = head_from_world * (*each->gaze * glm::dvec3(0.0, 0.0, -1.0));
     }
-    sample.direction = given_.space.from_head ? kStraightAhead : meanDirection(sample.eyes);
-    if (sample.direction) sample.point_px = pointOnScreen_px(screen_, *sample.direction);
-    gazes_ += sample.direction.has_value();
-    take_(sample);
   }
 
-  TraceHeader header() const {
-    const bool eyes = !given_.space.from_head;
-    TraceHeader header{.format = eyes ? "EyeNavGS, binocular" : "EyeNavGS, the head alone",
-                       .screen = screen_,
-                       .units = GazeUnits::deg,
-                       .field = field_,
-                       .columns = readings(),
-                       .gaze_in_world = true,
-                       .world_y_up = !setting_ || isUpright(*setting_)};
-    if (setting_) {
-      header.scene_scale_m = scale_m_;
-    } else {
-      header.assumed.push_back(
-          "places: " + exactText(scale_m_) +
-          " m a unit of the scene (gaze.head_scale_m); scene_setting.csv beside the recording "
-          "states it");
-    }
-    if (cut_) {
-      header.warnings.push_back("the last line is cut off and left out: is the file complete?");
-    }
-    return header;
-  }
-
-  std::vector<ColumnReading> readings() const {
-    const std::string sure = "certain: a column of EyeNavGS";
-    const std::string unit = ", a unit is " + significant(scale_m_) + " m";
-    const bool eyes = !given_.space.from_head;
-    return {
-        {"ViewIndex", "0 for the left eye, 1 for the right eye", sure},
-        {"FOV1 to FOV4", "limits of the eye's view to the left, right, down and up, rad", sure},
-        {"PositionX, Y, Z", "place of the eye in the scene" + unit,
-         setting_ ? "certain: scene_setting.csv states the unit" : "a guess: the unit"},
-        {"QuaternionX, Y, Z, W", "orientation of the head in the scene", sure},
-        {"GazePosX, Y, Z", eyes ? "origin of gaze in the scene" + unit : "unused",
-         eyes ? sure : ""},
-        {"GazeQX, Y, Z, W", eyes ? "rotation of gaze in the scene, which looks along -z" : "unused",
-         eyes ? sure : ""},
-        {"Timestamp", "time, a unit is 0.001 s", sure}};
-  }
-
-  static bool isUpright(const SceneSetting& setting) {
-    constexpr double kUpright = 0.7;  // cosine
-    return (setting.level_from_scene * glm::dvec3(0.0, 1.0, 0.0)).y > kUpright;
-  }
-
-  LineReader& lines_;
-  const TraceColumns& given_;
-  const TakeSample& take_;
-  std::optional<SceneSetting> setting_;
-  double scale_m_ = 1.0;
-  std::vector<std::string_view> fields_{};
-  EyeField field_{};
-  Screen screen_{};
-  std::optional<EyeRow> first_{};  // waits for the other eye
-  std::optional<double> last_s_{};
-  std::size_t rows_ = 0, gazes_ = 0;
-  std::optional<InputError> cut_{};  // the latest line has too few fields
+  FixedLines lines_;
+  bool from_head_;
+  std::vector<double> values_{};
+  std::optional<EyeField> field_{};
+  std::size_t gazes_ = 0;
 };
 
-TraceHeader readEyeNavGs(const RecordingFile& file, const Screen&, const TakeSample& take) {
+std::vector<ColumnReading> navReadingsOf(bool eyes, bool has_setting, double scale_m) {
+  const std::string sure = "certain: a column of EyeNavGS";
+  const std::string unit = ", a unit is " + significant(scale_m) + " m";
+  return {
+      {"ViewIndex", "0 for the left eye, 1 for the right eye", sure},
+      {"FOV1 to FOV4", "limits of the eye's view to the left, right, down and up, rad", sure},
+      {"PositionX, Y, Z", "place of the eye in the scene" + unit,
+       has_setting ? "certain: scene_setting.csv states the unit" : "a guess: the unit"},
+      {"QuaternionX, Y, Z, W", "orientation of the head in the scene", sure},
+      {"GazePosX, Y, Z", eyes ? "origin of gaze in the scene" + unit : "unused", eyes ? sure : ""},
+      {"GazeQX, Y, Z, W", eyes ? "rotation of gaze in the scene, which looks along -z" : "unused",
+       eyes ? sure : ""},
+      {"Timestamp", "time, a unit is 0.001 s", sure}};
+}
+
+TraceHeader readEyeNavGs(const RecordingFile& file, const Screen& fallback_screen,
+                         const TakeSample& take) {
+  constexpr double kUpright = 0.7;  // cosine
   LineReader lines(file.path());
-  std::string_view header;
-  lines.next(header);
-  return EyeNavGsReader(lines, file.columns(), take).read();
+  std::string_view names;
+  lines.next(names);
+  TraceColumns columns = worldColumns(file.columns(), 1e-3);
+  SpaceColumns& space = columns.space;
+  EyeNavGsRows reader(lines, space.from_head);
+  NumberRows rows = reader.read();
+  const auto setting = settingBeside(file.path());
+  const double scale_m = setting ? 1.0 / setting->units_per_m : file.columns().space.head_scale_m;
+  space.head_scale_m = space.origin_scale_m = scale_m;
+  for (const std::size_t side : {0, 1}) {
+    const std::string eye = side == 0 ? "left " : "right ";
+    space.eyes[side].origin = {eye + "x", eye + "y", eye + "z"};
+    if (space.from_head) continue;
+    space.eyes[side].quaternion = {eye + "qx", eye + "qy", eye + "qz", eye + "qw"};
+  }
+  if (!columns.field) columns.field = reader.field();
+  TraceHeader header = readRows(rows, columns, fallback_screen, take);
+  header.format = space.from_head ? "EyeNavGS, the head alone" : "EyeNavGS, binocular";
+  header.columns = navReadingsOf(!space.from_head, setting.has_value(), scale_m);
+  if (setting) {
+    header.world_y_up = (setting->level_from_scene * glm::dvec3(0.0, 1.0, 0.0)).y > kUpright;
+    header.scene_scale_m = scale_m;
+  } else {
+    header.assumed.push_back(
+        "places: " + exactText(scale_m) +
+        " m a unit of the scene (gaze.head_scale_m); scene_setting.csv beside the recording "
+        "states it");
+  }
+  reader.lines().warnIfCut(header);
+  return header;
 }
 
 SpacePreview previewEyeNavGs(const std::filesystem::path& file) {

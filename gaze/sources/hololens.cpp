@@ -26,38 +26,22 @@ using HoloLensRow = std::array<double, 11>;
 
 class HoloLensLines {
  public:
-  explicit HoloLensLines(LineReader& lines) : lines_(lines) {}
+  explicit HoloLensLines(LineReader& lines) : lines_(lines, kFields) {}
 
   NumberRows rows() {
-    std::string_view line;
-    while (lines_.next(line)) {
-      if (trimmed(line).empty()) continue;
-      if (cut_) throw *cut_;
-      splitFields(line, ',', fields_);
-      if (fields_.size() < kFields) {
-        cut_ = lines_.error(std::to_string(fields_.size()) + " fields: expected " +
-                            std::to_string(kFields));
-        if (values_.size() <= std::size(HoloLensRow{})) throw *cut_;
-        continue;  // the last line may be cut off
-      }
+    while (lines_.next()) {
       const HoloLensRow row = readRow();
       values_.insert(values_.end(), row.begin(), row.end());
     }
-    return {lines_.fileName(),
-            {"time", "head x", "head y", "head z", "head qx", "head qy", "head qz", "head qw",
-             "gaze x", "gaze y", "gaze z"},
-            std::move(values_)};
+    std::vector<std::string> names = worldColumnNames();
+    for (const char* axis : {"gaze x", "gaze y", "gaze z"}) names.emplace_back(axis);
+    return {lines_.fileName(), std::move(names), std::move(values_)};
   }
 
-  bool areCut() const { return cut_.has_value(); }
+  const FixedLines& lines() const { return lines_; }
 
  private:
-  double number(std::size_t column) const {
-    const auto value = fieldNumber(fields_[column]);
-    if (value) return *value;
-    throw lines_.error("column " + std::to_string(column + 1) + " = " + shown(fields_[column]) +
-                       ": expected a number");
-  }
+  double number(std::size_t column) const { return lines_.number(column); }
 
   HoloLensRow readRow() {
     HoloLensRow row{};
@@ -93,11 +77,9 @@ class HoloLensLines {
     row[4] = q.x, row[5] = q.y, row[6] = q.z, row[7] = q.w;
   }
 
-  LineReader& lines_;
-  std::vector<std::string_view> fields_{};
+  FixedLines lines_;
   std::vector<double> values_{};
   std::optional<double> start_ticks_{};
-  std::optional<InputError> cut_{};  // the latest line has too few fields
 };
 
 TraceHeader readHoloLens(const RecordingFile& file, const Screen& fallback_screen,
@@ -105,17 +87,9 @@ TraceHeader readHoloLens(const RecordingFile& file, const Screen& fallback_scree
   LineReader reader(file.path());
   HoloLensLines lines(reader);
   NumberRows rows = lines.rows();
-  TraceColumns columns = file.columns();
-  columns.time = "time";
-  columns.time_scale_s = kTick_s;
-  columns.missing.reset();
-  SpaceColumns& space = columns.space;
-  space.head_position = {"head x", "head y", "head z"};
-  space.head_quaternion = {"head qx", "head qy", "head qz", "head qw"};
-  if (!space.from_head) space.both.direction = {"gaze x", "gaze y", "gaze z"};
-  space.frame = SightFrame::world;
-  space.axes = "right-up-back";
-  space.head_scale_m = space.origin_scale_m = 1.0;
+  TraceColumns columns = worldColumns(file.columns(), kTick_s);
+  if (!columns.space.from_head) columns.space.both.direction = {"gaze x", "gaze y", "gaze z"};
+  columns.space.head_scale_m = columns.space.origin_scale_m = 1.0;
   TraceHeader header = readRows(rows, columns, fallback_screen, take);
   const std::string sure = "certain: a column of Stream Recorder";
   header.format = "HoloLens 2, Stream Recorder";
@@ -126,9 +100,7 @@ TraceHeader readHoloLens(const RecordingFile& file, const Screen& fallback_scree
                     {"#853 to #856", "unused", ""},
                     {"#857 to #860", "direction of gaze in the world", sure},
                     {"#861", "unused", ""}};
-  if (lines.areCut()) {
-    header.warnings.push_back("the last line is cut off and left out: is the file complete?");
-  }
+  lines.lines().warnIfCut(header);
   return header;
 }
 

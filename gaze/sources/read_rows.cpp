@@ -425,7 +425,7 @@ class RowReader {
       }
     }
     if (broken_) {
-      header.warnings.push_back("the last line is cut off and left out: is the file complete?");
+      header.warnings.emplace_back(kCutOff);
     } else if (rows_.mayBeCut() && last_decimals_.areFewer()) {
       header.warnings.push_back(
           "the last line has no end and fewer decimals than the others, so it may be cut off: is "

@@ -62,6 +62,11 @@ void requireGazeText(const std::filesystem::path& file);
 /// What the recording states of the screen; the rest from the fallback.
 Screen screenInForce(Screen screen, const Screen& fallback);
 
+/// The columns of a recording of gaze in the world, y up, z back: "time", "head x" ... "head qw".
+std::vector<std::string> worldColumnNames();
+/// With these, what the study says of the rest.
+TraceColumns worldColumns(TraceColumns columns, double time_scale_s);
+
 /// Reads rows as `streamTrace` describes.
 /// @param fallback_screen  for what `rows.before()` does not state
 /// @throws InputError; SeveralPeople

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <string>
 
+#include "base/quantile.h"
 #include "base/text.h"
 
 namespace foci {
@@ -27,6 +29,20 @@ bool isCopy(const GazeSample& a, const GazeSample& b) {
 }
 
 }  // namespace
+
+void warnOfRate(double stated_Hz, std::vector<double> intervals_s, TraceHeader& header) {
+  constexpr double kOther = 1.1;
+  if (intervals_s.size() < kEnough) return;
+  const double usual_s = quantile(intervals_s, 0.5);
+  // The median of whole milliseconds is none of the tracker's.
+  std::erase_if(intervals_s, [&](double each) { return std::abs(each - usual_s) > 0.5 * usual_s; });
+  const double rate_Hz = static_cast<double>(intervals_s.size()) /
+                         std::accumulate(intervals_s.begin(), intervals_s.end(), 0.0);
+  if (rate_Hz <= kOther * stated_Hz && stated_Hz <= kOther * rate_Hz) return;
+  header.warnings.push_back("the stated sampling rate is " + significant(stated_Hz) +
+                            " Hz, but there are " + significant(rate_Hz) +
+                            " samples a second: is the unit of time right (gaze.time_scale_s)?");
+}
 
 RowTimes::RowTimes(TableLayout& layout, const TableRow& row, const Rows& rows,
                    const TraceColumns& columns, const TakeSample& take)
@@ -149,7 +165,7 @@ void RowTimes::order(GazeSample& sample) {
 void RowTimes::settle(bool at_end) {
   if (settled_) return;
   if (!clock_known_) {
-    guess_ = guessClock(held_);
+    guess_ = guessClock(held_, rows_.before().rate_Hz);
     if (guess_->is_open && !at_end && held_.size() < kMaxHeld) return;
     if (!guess_->refusal.empty()) throw InputError(rows_.source(), guess_->refusal);
     layout_.time_scale_s = guess_->scale_s;
@@ -183,6 +199,10 @@ void RowTimes::settle(bool at_end) {
 void RowTimes::emit(GazeSample& sample) {
   if (spread_) sample.time_s = spread_->time(sample.time_s);
   sample.time_s *= layout_.time_scale_s;
+  if (emitted_s_ && intervals_s_.size() < kMaxHeld) {
+    intervals_s_.push_back(sample.time_s - *emitted_s_);
+  }
+  emitted_s_ = sample.time_s;
   take_(sample);
 }
 
@@ -193,6 +213,9 @@ void RowTimes::finish() {
 }
 
 void RowTimes::state(TraceHeader& header) const {
+  if (layout_.time && rows_.before().rate_Hz) {
+    warnOfRate(*rows_.before().rate_Hz, intervals_s_, header);
+  }
   if (spread_) {
     header.warnings.push_back(
         "times are whole milliseconds and repeat: foci spreads the samples evenly; export the "

@@ -28,7 +28,11 @@ struct ClockGuess {
 /// 1 tells the unit itself. If two units are left, the usual duration of a fixation tells them
 /// apart.
 /// @param samples  the first ones, with times in the file's unit
-ClockGuess guessClock(const std::vector<GazeSample>& samples);
+/// @param rate_Hz  that the file states: it tells the unit
+ClockGuess guessClock(const std::vector<GazeSample>& samples, std::optional<double> rate_Hz = {});
+
+/// Warns if the usual intervals contradict the rate that a recording states.
+void warnOfRate(double stated_Hz, std::vector<double> intervals_s, TraceHeader& header);
 
 /// Reads a column of times as texts. Each field is a date and a time of day, or a time of day:
 /// "10:00:00.123". The date is "2026-11-26T" (with a blank instead of T, too), "2026/11/26 ", or
@@ -156,6 +160,8 @@ class RowTimes {
   std::size_t copies_ = 0, swapped_ = 0, waits_ = 0, counted_ = 0, ordered_ = 0;
   std::optional<WholeTimes> spread_{};  // times repeat
   std::vector<GazeSample> held_{};
+  std::optional<double> emitted_s_{};  // time of the latest one
+  std::vector<double> intervals_s_{};  // the first ones
 };
 
 }  // namespace foci

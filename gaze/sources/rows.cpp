@@ -121,9 +121,35 @@ InputError TextRows::error(const std::string& what) const {
   return {source_ + ":" + std::to_string(number_), what};
 }
 
+bool FixedLines::next() {
+  std::string_view line;
+  while (lines_.next(line)) {
+    if (trimmed(line).empty()) continue;
+    if (cut_) throw *cut_;
+    splitFields(line, ',', fields_);
+    if (fields_.size() >= count_) return ++taken_ > 0;
+    cut_ = error(std::to_string(fields_.size()) + " fields: expected " + std::to_string(count_));
+    if (taken_ < 2) throw *cut_;
+  }
+  return false;
+}
+
+double FixedLines::number(std::size_t column, double limit) const {
+  const auto value = fieldNumber(fields_[column]);
+  if (value && std::abs(*value) <= limit) return *value;
+  throw error("column " + std::to_string(column + 1) + " = " + shown(fields_[column]) +
+              ": expected a number" +
+              (limit < INFINITY ? " up to " + significant(limit) : std::string()));
+}
+
+void FixedLines::warnIfCut(TraceHeader& header) const {
+  if (cut_) header.warnings.emplace_back(kCutOff);
+}
+
 NumberRows::NumberRows(std::string source, std::vector<std::string> names,
-                       std::vector<double> values)
+                       std::vector<double> values, std::optional<double> rate_Hz)
     : values_(std::move(values)) {
+  before_.rate_Hz = rate_Hz;
   source_ = std::move(source);
   names_ = std::move(names);
 }

@@ -17,6 +17,10 @@
 
 namespace foci {
 
+/// A warning.
+inline constexpr const char* kCutOff =
+    "the last line is cut off and left out: is the file complete?";
+
 class Rows : public Place {
  public:
   Rows() = default;
@@ -120,13 +124,38 @@ class TextRows final : public Rows {
   std::size_t number_ = 0;  // of the latest line
 };
 
+/// Lines of comma-separated numbers, so many in each. Blank lines are none, and the last line may
+/// be cut off.
+class FixedLines {
+ public:
+  /// @param lines  outlives the object
+  FixedLines(LineReader& lines, std::size_t fields) : lines_(lines), count_(fields) {}
+
+  /// @throws InputError at the line behind one that has too few fields, or if it is the first
+  bool next();
+  /// Of the latest line. @throws InputError unless it is a number up to `limit`
+  double number(std::size_t column, double limit = INFINITY) const;
+
+  InputError error(const std::string& what) const { return lines_.error(what); }
+  const std::string& fileName() const { return lines_.fileName(); }
+  void warnIfCut(TraceHeader& header) const;
+
+ private:
+  LineReader& lines_;
+  std::size_t count_, taken_ = 0;
+  std::vector<std::string_view> fields_{};
+  std::optional<InputError> cut_{};  // the latest line has too few fields
+};
+
 /// The numbers of a binary format or a stream.
 class NumberRows final : public Rows {
  public:
   /// @param source  of the numbers, for errors
   /// @param names   of the columns, with units
   /// @param values  row after row; NaN: absent
-  NumberRows(std::string source, std::vector<std::string> names, std::vector<double> values);
+  /// @param rate_Hz that the source states
+  NumberRows(std::string source, std::vector<std::string> names, std::vector<double> values,
+             std::optional<double> rate_Hz = {});
 
   bool next() override;
   void survey(std::size_t most, const std::function<void()>& visit) override;

@@ -6,9 +6,11 @@
 //   left X [HUCS mm]`. The head unit's axes are x left, y up, z forward.
 // - GazeBaseVR (Lohr et al. 2023): angles `lx`, `ly`, `rx`, `ry` and `x`, `y` of both eyes, deg;
 //   eyes' centres `clx` ... `crz`, m, x right, y up, z forward.
-// - Project Aria's machine perception services: angles whose tangents are those of the direction
-//   (x to the left, y up, z forward), of each eye (`left_yaw_rads_cpf`), or of both eyes together
-//   with a depth; general and personalised, Gen 1 and 2.
+// - Project Aria's machine perception services, general and personalised (x to the left, y up, z
+//   forward). Gen 1: angles whose tangents are those of the direction, of each eye
+//   (`left_yaw_rads_cpf`), or of both eyes together with a depth. Gen 2, with a pitch for each eye:
+//   angles, direction (sin yaw cos pitch, sin pitch, cos yaw cos pitch), as in projectaria_tools
+//   (core/mps/EyeGazeReader.cpp); the combined direction is then exactly the eyes' mean.
 #include <string_view>
 
 #include "gaze/sources/column_names.h"
@@ -25,7 +27,7 @@ struct SpaceVendor {
   std::string_view direction{};  ///< or angles, horizontal and vertical
   std::array<std::string_view, 2> angles{}, both_angles{};
   std::string_view origin{}, validity{}, pupil_mm{}, time{}, depth{};
-  bool millimetres = false, tangents_rad = false;
+  bool millimetres = false, radians = false, tangents = false, yaw_to_left = false;
   bool needs_both = true, needs_origin = true;
   ValidityCode code = ValidityCode::below_two;
   double time_scale_s = 0.0;  ///< 0: as its name says
@@ -33,13 +35,22 @@ struct SpaceVendor {
 
 const SpaceVendor kSpaceVendors[] = {{.name = "Project Aria",
                                       .axes = "left-up-forward",
+                                      .needs = "leftpitchradscpf",
+                                      .angles = {"EYEyawradscpf", "EYEpitchradscpf"},
+                                      .origin = "tAEYEeyecpf",
+                                      .time = "trackingtimestamp",
+                                      .radians = true,
+                                      .yaw_to_left = true},
+                                     {.name = "Project Aria",
+                                      .axes = "left-up-forward",
                                       .needs = "trackingtimestamp",
-                                      .angles = {"EYEyawradscpf", "EYEpitchradscpf pitchradscpf"},
+                                      .angles = {"EYEyawradscpf", "pitchradscpf"},
                                       .both_angles = {"yawradscpf", "pitchradscpf"},
                                       .origin = "tAEYEeyecpf",
                                       .time = "trackingtimestamp",
                                       .depth = "depth",
-                                      .tangents_rad = true,
+                                      .radians = true,
+                                      .tangents = true,
                                       .needs_both = false,
                                       .needs_origin = false},
                                      {.name = "SRanipal",
@@ -103,14 +114,16 @@ void takeSranipalClock(const ColumnNames& names, SpaceFormat& format) {
 
 std::optional<SpaceFormat> formatOf(const SpaceVendor& vendor, const ColumnNames& names) {
   if (!vendor.needs.empty() && !names.find(vendor.needs)) return std::nullopt;
-  SpaceFormat format{
-      .name = vendor.name, .validity_code = vendor.code, .time = columnOf(names, vendor.time)};
+  SpaceFormat format{.name = vendor.name,
+                     .validity_code = vendor.code,
+                     .time = columnOf(names, vendor.time),
+                     .yaw_to_left = vendor.yaw_to_left};
   if (vendor.time_scale_s > 0.0) format.time_scale_s = vendor.time_scale_s;
   SpaceColumns& columns = format.columns;
   columns.axes = vendor.axes;
   columns.origin_scale_m = vendor.millimetres ? 1e-3 : 1.0;
-  columns.angle_units = vendor.tangents_rad ? AngleUnit::rad : AngleUnit::deg;
-  columns.angles_are_tangents = vendor.tangents_rad;
+  columns.angle_units = vendor.radians ? AngleUnit::rad : AngleUnit::deg;
+  columns.angles_are_tangents = vendor.tangents;
   for (std::size_t side : {0, 1}) {
     SightColumns& sight = columns.eyes[side];
     sight.direction = tripleOf(names, vendor.direction, side);

@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
+#include "gaze/sources/recording_formats.h"
 #include "gaze/sources/table_row.h"
 
 namespace foci {
@@ -243,6 +244,21 @@ void refuseWrongSight(const Place& place, const SpaceLayout& layout) {
 
 }  // namespace
 
+std::vector<std::string> worldColumnNames() {
+  return {"time", "head x", "head y", "head z", "head qx", "head qy", "head qz", "head qw"};
+}
+
+TraceColumns worldColumns(TraceColumns columns, double time_scale_s) {
+  columns.time = "time";
+  columns.time_scale_s = time_scale_s;
+  columns.missing.reset();
+  columns.space.head_position = {"head x", "head y", "head z"};
+  columns.space.head_quaternion = {"head qx", "head qy", "head qz", "head qw"};
+  columns.space.frame = SightFrame::world;
+  columns.space.axes = "right-up-back";
+  return columns;
+}
+
 SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
                           const SpaceColumns& columns) {
   SpaceLayout layout{
@@ -303,8 +319,6 @@ std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {
 void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sample) {
   sample.head = layout.hasHead() ? headIn(row, layout) : std::nullopt;
   sample.direction.reset();
-  if (layout.from_head && sample.head) sample.direction = kStraightAhead;
-  if (layout.from_head) return;
   // Gaze in the world has no place in the head while the head is lost.
   if (layout.in_world && !sample.head) return;
   const auto in_head = [&](const glm::dvec3& v) {
@@ -320,7 +334,9 @@ void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sampl
     if (direction) eye.direction = in_head(*direction);
     if (origin_m) eye.origin_m = in_head(*origin_m - rest_m);
   }
-  if (layout.both.hasSight()) {
+  if (layout.from_head) {
+    if (sample.head) sample.direction = kStraightAhead;
+  } else if (layout.both.hasSight()) {
     const auto origin_m = placeIn(row, layout.both.origin, layout.axes, layout.origin_scale_m);
     const auto direction = directionIn(row, layout.both, layout, origin_m ? origin_m : rest_m);
     if (direction) sample.direction = in_head(*direction);

@@ -240,6 +240,7 @@ class Recogniser {
       columns.frame = SightFrame::head;
     }
     takeSpace(columns);
+    if (format.yaw_to_left) layout_.space->scale.x = -1.0;
     if (given_.space.hasHead()) layout_.space->head_axes = axesOf(rows_, given_.space);
     if (find("sensor")) layout_.rows = {.column = find("sensor"), .only = "Eye Tracker"};
     layout_.validity_code = format.validity_code;

@@ -161,6 +161,7 @@ struct SpaceFormat {
   ValidityCode validity_code = ValidityCode::below_two;
   std::string time{};  ///< empty: by its usual name
   std::optional<double> time_scale_s{};
+  bool yaw_to_left = false;  ///< horizontal angles count to the left
 };
 
 /// Nothing for a table of no known vendor.

@@ -29,6 +29,9 @@ constexpr double kApart = 0.2;  // of the screen: eyes that look at one point ar
 constexpr double kLookedAround_s = 5.0;  // in this time gaze leaves a fixation, and a quarter
 constexpr double kMinUsualPupil_mm = 1.0, kMaxUsualPupil_mm = 9.5;  // of people
 constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of one position
+// A measured position has noise, so it does not repeat for longer.
+constexpr std::size_t kMinHeld = 4, kMinHeldWhole = 8;
+constexpr double kMinHeld_s = 0.06, kManyHeld = 0.002, kMoving = 0.8;
 constexpr double kLongGap_s = 60.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
 constexpr double kSquare = 1.2;  // pixels are as wide as high, to this factor
@@ -242,6 +245,14 @@ void TraceDoubts::addClock(double time_s) {
 
 void TraceDoubts::addPoint(const GazeSample& sample) {
   const glm::dvec2 point_px = *sample.point_px;
+  if (present_ == 0 || point_px != last_px_) {
+    run_ = 0;
+    run_s_ = sample.time_s;
+  } else if (++run_ >= (whole_px_ ? kMinHeldWhole : kMinHeld) &&
+             sample.time_s - run_s_ >= kMinHeld_s) {
+    ++held_;
+    longest_hold_s_ = std::max(longest_hold_s_, sample.time_s - run_s_);
+  }
   changes_ += present_ == 0 || point_px != last_px_;
   last_px_ = point_px;
   ++present_;
@@ -377,6 +388,14 @@ std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const
     doubts.push_back("each position comes " + significant(run) +
                      " times in a row, so the tracker was slower than the rows, and velocities are "
                      "wrong: keep one row of each (gaze.time names the column of the time)");
+  }
+  const double moving = static_cast<double>(present_ - held_);
+  const double share = static_cast<double>(held_) / static_cast<double>(present_);
+  if (share > kManyHeld && static_cast<double>(changes_) > kMoving * moving) {
+    doubts.push_back("positions stay the same to the last digit for up to " +
+                     significant(longest_hold_s_, 2) + " s (" + decimal(100.0 * share, 1) +
+                     " % of the samples), as where the last one stands for data loss: if a column "
+                     "tells, name it with gaze.confidence or gaze.blink");
   }
   return doubts;
 }

@@ -93,7 +93,9 @@ class TraceDoubts {
   std::size_t away_ = 0;     // lines of sight that lead away from the screen
   double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0;
   glm::dvec2 last_px_{0.0};
-  bool whole_px_ = true;  // all positions
+  bool whole_px_ = true;                       // all positions
+  double run_s_ = 0.0, longest_hold_s_ = 0.0;  // when a run of equal positions began
+  std::size_t run_ = 0, held_ = 0;             // repeats in the run; those of long runs
   Thinned<Kept> kept_{};
   Thinned<double> pupils_mm_{};
 };

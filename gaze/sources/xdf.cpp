@@ -367,7 +367,8 @@ TraceHeader readXdf(const RecordingFile& file, const Screen& fallback_screen,
     const auto row = samples.values.begin() + static_cast<std::ptrdiff_t>(i * stream.channels);
     values.insert(values.end(), row, row + static_cast<std::ptrdiff_t>(stream.channels));
   }
-  NumberRows rows(file.path().string(), stream.columns, std::move(values));
+  NumberRows rows(file.path().string(), stream.columns, std::move(values),
+                  stream.rate_Hz > 0.0 ? std::optional(stream.rate_Hz) : std::nullopt);
   TraceHeader header = readRows(rows, file.columns(), fallback_screen, take);
   header.format = "XDF, stream " + shown(stream.name) + ", " + header.format;
   header.markers = std::move(markers);

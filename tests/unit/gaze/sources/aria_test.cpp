@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "base/input_error.h"
@@ -72,13 +73,15 @@ std::string bothEyes(bool second_generation) {
                            "tz_left_eye_cpf,tx_right_eye_cpf,ty_right_eye_cpf,tz_right_eye_cpf\n";
   const double left = std::atan((0.5 - 0.0315) / 2.0), right = std::atan((0.5 + 0.0315) / 2.0);
   const double pitch = std::atan(0.1), middle = std::atan(0.25);
+  // Of Gen 2: angles from the horizontal plane.
+  const auto up = [](double x) { return std::asin(0.2 / std::hypot(x, 0.2, 2.0)); };
   for (int i = 0; i < 40; ++i) {
     char line[300];
     const long long time_us = 10'000'000 + 100'000LL * i;
     if (second_generation) {
       std::snprintf(line, sizeof line,
                     "%lld,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,0.0315,0,0,-0.0315,0,0\n", time_us, middle,
-                    pitch, left, right, pitch, pitch);
+                    up(0.5), left, right, up(0.5 - 0.0315), up(0.5 + 0.0315));
     } else {
       std::snprintf(line, sizeof line, "%lld,%.9f,%.9f,%.9f,2.07,0.0315,0,0,-0.0315,0,0\n", time_us,
                     left, right, pitch);
@@ -101,7 +104,7 @@ void expectTarget(const GazeSample& sample) {
   EXPECT_LT(glm::distance(*sample.direction, glm::normalize(kTarget)), 2e-4);
 }
 
-TEST_F(Aria, AnglesAreTangentsOfEachEye) {
+TEST_F(Aria, AnglesAreTangentsOfEachEyeAndOfGen2Angles) {
   for (const bool second_generation : {false, true}) {
     const fs::path file = write("eye_gaze/general_eye_gaze.csv", bothEyes(second_generation));
     const GazeTrace trace = readTrace(file, {}, {});
@@ -110,6 +113,28 @@ TEST_F(Aria, AnglesAreTangentsOfEachEye) {
     EXPECT_NEAR(trace.samples[1].time_s, 10.1, 1e-9);
     expectTarget(trace.samples[5]);
     EXPECT_FALSE(trace.samples[5].head);
+  }
+}
+
+/// A real recording of Gen 2 states the direction of both eyes together, too.
+TEST(AriaGen2, TheMeanOfTheEyesIsTheCombinedDirection) {
+  const fs::path file = "../shared/data/gaze/aria/gen2_general_eye_gaze.csv";
+  if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+  std::stringstream in;
+  in << std::ifstream(file).rdbuf();
+  const ScratchFile alone(in.str());  // the trajectory beside it is of another recording
+  const GazeTrace trace = readTrace(alone.path(), {}, {});
+  std::string line, yaw, pitch;
+  std::getline(in, line);
+  for (const GazeSample& sample : trace.samples) {
+    std::getline(in, line);
+    std::istringstream fields(line);
+    std::getline(fields, yaw, ',');
+    std::getline(fields, yaw, ',');
+    std::getline(fields, pitch, ',');
+    const double h = std::stod(yaw), v = std::stod(pitch);  // to the left, upwards
+    const glm::dvec3 combined(-std::sin(h) * std::cos(v), std::sin(v), -std::cos(h) * std::cos(v));
+    ASSERT_LT(glm::distance(*sample.direction, combined), 1e-6);  // rounding of floats
   }
 }
 

@@ -152,7 +152,7 @@ TEST_F(DataSet, WhatIsNoScreenOrNoRateIsSaid) {
     for (const std::string& warning : readTrace(recording(rows), {}, {}).warnings) text += warning;
     return text;
   };
-  EXPECT_NE(said().find("SamplingFrequency is 250 Hz, but there are 500"), std::string::npos);
+  EXPECT_NE(said().find("sampling rate is 250 Hz, but there are 500"), std::string::npos);
   EXPECT_EQ(said().find("is left out"), std::string::npos);
   write("task-look_events.json", R"({"StimulusPresentation": {"ScreenDistance": 600,
     "ScreenResolution": [800, 600], "ScreenSize": [530, 300]}})");

@@ -223,6 +223,24 @@ TEST(EyeLinkAsc, TakesMetresAndDistanceFromTheFallback) {
   EXPECT_EQ(screen.distance_m, fallback.distance_m);
 }
 
+TEST(EyeLinkAsc, WhatItsHeaderContradictsIsSaid) {
+  const std::string two = "\t1\t2\t3\t4\t5\t6";
+  EXPECT_NE(refusal(kHead + "START\t10 \tLEFT\n10" + two + "\t.....\nEND\t10\n").find("2 eyes"),
+            std::string::npos);
+  EXPECT_NE(refusal(kHead + "START\t10 \tLEFT\n10" + two + "\nEND\t10\n").find("2 eyes"),
+            std::string::npos);
+  const auto warnings = [&](const std::string& rate) {
+    std::string text = kHead + "START\t10 \tLEFT\nSAMPLES\tGAZE\tLEFT\tVEL\tRATE\t" + rate + "\n";
+    for (int i = 0; i < 400; ++i) text += std::to_string(10 + 2 * i) + "\t5\t6\t7\t0\t0\t0\t...\n";
+    return read(text + "END\t900\n").warnings;
+  };
+  EXPECT_NE(warnings("1000.00").at(0).find("rate is 1000 Hz, but there are 500"),
+            std::string::npos);
+  for (const std::string& warning : warnings("500.00")) {
+    EXPECT_EQ(warning.find("rate"), std::string::npos) << warning;
+  }
+}
+
 TEST(EyeLinkAsc, RefusesDamageByLine) {
   const std::string start = kHead + "START\t10 \tLEFT\n";
   const std::pair<std::string, const char*> cases[] = {

@@ -228,6 +228,11 @@ std::vector<Mistake> lossesAndText() {
     std::snprintf(line, sizeof line, "%.2f,nan,nan\n", row.time_s);
     lost += line;
   }
+  Row last{};
+  const std::string held = table(kXy, [&](const Row& row) {
+    if (row.number % 100 >= 10) last = row;
+    return std::vector<double>{row.time_s, last.x, last.y};
+  });
   Screen far = kScreen, portrait = kScreen;
   far.distance_m = 60.0;
   std::swap(portrait.size_m.x, portrait.size_m.y);
@@ -242,6 +247,8 @@ std::vector<Mistake> lossesAndText() {
       {"(0, 0) for the left eye at times", saidAbout(table(eyes, oneEye(0.0, 2))),
        "gaze.missing = 0"},
       {"1e8 for loss", saidAbout(table(kXy, coded(1e8))), "gaze.missing"},
+      {"the last position for loss", saidAbout(held), "stay the same"},
+      {"another rate than stated", saidAbout("# sampling_Hz=250\n" + good), "stated sampling rate"},
       {"all lost", saidAbout(lost), "no sample has a position"},
       {"a column of validity", saidAbout(table(kXy + ",valid", with(1.0))), "gaze.confidence"},
       {"a column of codes", saidAbout(table(kXy + ",validity", with(0.0))), "gaze.blink"},

@@ -370,8 +370,11 @@ GazeTrace inTicks(double rate_Hz, double ticks_Hz) {
 }
 
 TEST(UnitOfTime, AnUnusualRateOrDurationOfFixationsIsDoubted) {
-  for (const auto& [rate_Hz, ticks_Hz] :
-       {std::pair(120.0, 3'579'545.0), {60.0, 1e5}, {250.0, 44'100.0}, {60.0, 90e3}}) {
+  for (const auto& [rate_Hz, ticks_Hz] : {std::pair(120.0, 3'579'545.0),
+                                          {60.0, 1e5},
+                                          {500.0, 1e5},
+                                          {250.0, 44'100.0},
+                                          {60.0, 90e3}}) {
     EXPECT_TRUE(warns(inTicks(rate_Hz, ticks_Hz), "gaze.time_scale_s")) << ticks_Hz;
   }
   for (const double rate_Hz : {60.0, 120.0, 250.0}) {
