@@ -19,7 +19,7 @@
 #include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
 #include "gaze/events/recording_quality.h"
-#include "gaze/sources/bids_writer.h"
+#include "gaze/sources/bids.h"
 #include "gaze/sources/labelled.h"
 #include "gaze/sources/trace_reader.h"
 

@@ -15,7 +15,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/bids_writer.h"
+#include "gaze/sources/bids.h"
 #include "gaze/sources/trace_reader.h"
 #include "gaze/sources/trace_summary.h"
 #include "gaze/webcam/webcam_frames.h"

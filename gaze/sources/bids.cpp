@@ -17,7 +17,7 @@
 
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
-#include "gaze/sources/bids_metadata.h"
+#include "gaze/sources/bids.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {

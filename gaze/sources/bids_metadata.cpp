@@ -1,6 +1,6 @@
 // The inheritance principle of BIDS: a JSON file applies to the recordings below its folder that
 // have all entities of its name.
-#include "gaze/sources/bids_metadata.h"
+#include "gaze/sources/bids.h"
 
 #include <algorithm>
 #include <fstream>

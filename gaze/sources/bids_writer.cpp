@@ -1,4 +1,4 @@
-#include "gaze/sources/bids_writer.h"
+#include "gaze/sources/bids.h"
 
 #include <zlib.h>
 
@@ -12,7 +12,6 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/bids_metadata.h"
 
 namespace foci {
 namespace {

@@ -157,6 +157,17 @@ std::optional<std::size_t> ColumnNames::findPosition(std::string_view keys) cons
   });
 }
 
+std::optional<std::array<std::size_t, 3>> ColumnNames::findTriple(std::string_view pattern,
+                                                                  std::size_t side) const {
+  std::array<std::size_t, 3> columns{};
+  for (const std::size_t axis : {0, 1, 2}) {
+    const auto column = find(keysOf(pattern, side, "xyz"[axis]));
+    if (!column) return std::nullopt;
+    columns[axis] = *column;
+  }
+  return columns;
+}
+
 std::size_t ColumnNames::named(const std::string& name) const {
   const auto found = std::find(texts_.begin(), texts_.end(), name);
   if (found != texts_.end()) return static_cast<std::size_t>(found - texts_.begin());

@@ -1,6 +1,7 @@
 // The names of a table's columns, without the differences in spelling between vendors.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -46,6 +47,11 @@ class ColumnNames {
   /// The first column of such a key that may be a position on the screen: no length, no time, not
   /// on the presented media.
   std::optional<std::size_t> findPosition(std::string_view keys) const;
+
+  /// The columns of x, y and z; nothing unless the table has all of them.
+  /// @param pattern  of `keysOf`
+  std::optional<std::array<std::size_t, 3>> findTriple(std::string_view pattern,
+                                                       std::size_t side) const;
 
   /// The column with exactly this name, or with this number ("#1" is the first).
   /// @throws InputError that names the nearest column

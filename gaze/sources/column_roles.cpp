@@ -108,16 +108,9 @@ class Roles {
     add(eye.origin_point_mm, "origin of the " + name + ", mm");
     add(eye.sight_point_mm, "point in space that the " + name + " looks at, mm");
     add(eye.origin_validity, "whether the origin of the " + name + " is valid");
-    const char* parts = "xyz";
-    const std::string origin = "origin of the " + name + ", mm, ";
-    const std::string sight = "point in space that the " + name + " looks at, mm, ";
-    const std::string direction = "direction of the " + name + ", ";
-    for (std::size_t axis : {0, 1, 2}) {
-      const std::string part(1, parts[axis]);
-      add(eye.origin_mm[axis], origin + part);
-      add(eye.direction[axis], direction + part, Kind::gaze);
-      add(eye.sight_mm[axis], sight + part);
-    }
+    add(eye.origin_mm, "origin of the " + name + ", mm", "xyz");
+    add(eye.direction, "direction of the " + name, "xyz", Kind::gaze);
+    add(eye.sight_mm, "point in space that the " + name + " looks at, mm", "xyz");
   }
 
   void addSpace(const SpaceLayout& space) {

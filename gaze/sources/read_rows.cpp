@@ -23,11 +23,6 @@ std::string pointed(std::string text) {
   return text;
 }
 
-bool isMetric(const Screen& screen) {
-  return screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
-         screen.size_m.y > 0.0 && screen.distance_m > 0.0;
-}
-
 /// Judges positions without a stated unit.
 class PlainPositions {
  public:
@@ -516,6 +511,11 @@ class RowReader {
 };
 
 }  // namespace
+
+bool isMetric(const Screen& screen) {
+  return screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
+         screen.size_m.y > 0.0 && screen.distance_m > 0.0;
+}
 
 Screen screenInForce(Screen screen, const Screen& fallback) {
   for (const int axis : {0, 1}) {

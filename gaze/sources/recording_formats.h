@@ -59,6 +59,9 @@ std::optional<std::string> otherFileKind(std::string_view start, const std::file
 /// @throws InputError if the file is no text that may hold gaze; a file that cannot be read passes
 void requireGazeText(const std::filesystem::path& file);
 
+/// Whether all of the screen's quantities are known.
+bool isMetric(const Screen& screen);
+
 /// What the recording states of the screen; the rest from the fallback.
 Screen screenInForce(Screen screen, const Screen& fallback);
 

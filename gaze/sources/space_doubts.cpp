@@ -40,7 +40,7 @@ void SpaceDoubts::add(const GazeSample& sample) {
 }
 
 /// Gaze that no eye has. If it lies ahead of the head in the other frame, the frame is wrong.
-std::vector<std::string> SpaceDoubts::gazeDoubts(bool in_world) const {
+void SpaceDoubts::stateGaze(bool in_world, Doubts& doubts) const {
   double ahead = 0.0, ahead_otherwise = 0.0, count = 0.0;
   for (const GazeSample& sample : kept_.kept()) {
     if (!sample.direction || !sample.head) continue;
@@ -50,29 +50,23 @@ std::vector<std::string> SpaceDoubts::gazeDoubts(bool in_world) const {
     ahead_otherwise += glm::dot(otherwise, kForward);
     count += 1.0;
   }
-  if (count > 0.0 && ahead < kNotAhead * count && ahead_otherwise > kAhead * count) {
-    return {std::string("gaze is not ahead of the head, but would be in the other frame: is "
-                        "gaze.frame = \"") +
-            (in_world ? "head" : "world") + "\" right?"};
-  }
-  const auto shareOf = [&](std::size_t part) {
-    return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(gazes_, 1));
-  };
-  if (shareOf(behind_) > kManyBehind) {
-    return {percent(shareOf(behind_)) +
-            " of the gaze is behind the eyes: are gaze.axes and gaze.frame right, and the order of "
-            "the columns?"};
-  }
-  if (shareOf(beside_) > kManyBeside) {
-    return {percent(shareOf(beside_)) + " of the gaze is more than " + decimal(kMaxEye_deg, 0) +
-            " deg from straight ahead, farther than eyes turn: are gaze.frame, gaze.axes and "
-            "gaze.angle_units right?"};
-  }
-  return {};
+  const double all = static_cast<double>(gazes_);
+  const double behind = static_cast<double>(behind_) / all;
+  const double beside = static_cast<double>(beside_) / all;
+  doubts.add(count > 0.0 && ahead < kNotAhead * count && ahead_otherwise > kAhead * count,
+             std::string("gaze is not ahead of the head, but would be in the other frame: is "
+                         "gaze.frame = \"") +
+                 (in_world ? "head" : "world") + "\" right?") ||
+      doubts.add(behind > kManyBehind, percent(behind) +
+                                           " of the gaze is behind the eyes: are gaze.axes and "
+                                           "gaze.frame right, and the order of the columns?") ||
+      doubts.add(beside > kManyBeside,
+                 percent(beside) + " of the gaze is more than " + decimal(kMaxEye_deg, 0) +
+                     " deg from straight ahead, farther than eyes turn: are gaze.frame, gaze.axes "
+                     "and gaze.angle_units right?");
 }
 
-std::vector<std::string> SpaceDoubts::headDoubts(bool y_is_up) const {
-  std::vector<std::string> doubts;
+void SpaceDoubts::stateHead(bool y_is_up, Doubts& doubts) const {
   std::vector<double> up, height_m, speed_m_s;
   glm::dvec3 low_m(INFINITY), high_m(-INFINITY), forward(0.0);
   const GazeSample* before = nullptr;
@@ -90,40 +84,33 @@ std::vector<std::string> SpaceDoubts::headDoubts(bool y_is_up) const {
     }
     before = &sample;
   }
-  if (up.size() < kMinSamples) return doubts;
-  if (y_is_up && median(up) < kMinUp) {
-    doubts.push_back(
-        "the head is not upright: are gaze.axes and the order of the orientation's columns right "
-        "(gaze.head_quaternion is x, y, z, w)?");
-  }
-  if (const double usual_m = median(height_m); y_is_up && usual_m < kMinHeight_m) {
-    doubts.push_back("the head is " + significant(-usual_m, 3) +
-                     " m below the recording's origin, which is usually the floor: does y point "
-                     "down (gaze.axes), and is gaze.head_scale_m right?");
-  }
-  const double span_m = glm::length(high_m - low_m);
-  const double usual_m_s = median(speed_m_s);
-  if (usual_m_s > kMaxUsualSpeed_m_s || span_m > kMaxSpan_m) {
-    doubts.push_back("the head moves at " + significant(usual_m_s, 2) + " m/s over " +
-                     significant(span_m, 2) +
-                     " m: is gaze.head_scale_m right (0.001 for mm, 0.01 for cm), and "
-                     "gaze.time_scale_s?");
-  }
+  if (up.size() < kMinSamples) return;
+  doubts.add(
+      y_is_up && median(up) < kMinUp,
+      "the head is not upright: are gaze.axes and the order of the orientation's columns right "
+      "(gaze.head_quaternion is x, y, z, w)?");
+  const double usual_m = median(height_m);
+  doubts.add(y_is_up && usual_m < kMinHeight_m,
+             "the head is " + significant(-usual_m, 3) +
+                 " m below the recording's origin, which is usually the floor: does y point "
+                 "down (gaze.axes), and is gaze.head_scale_m right?");
+  const double span_m = glm::length(high_m - low_m), usual_m_s = median(speed_m_s);
+  doubts.add(usual_m_s > kMaxUsualSpeed_m_s || span_m > kMaxSpan_m,
+             "the head moves at " + significant(usual_m_s, 2) + " m/s over " +
+                 significant(span_m, 2) +
+                 " m: is gaze.head_scale_m right (0.001 for mm, 0.01 for cm), and "
+                 "gaze.time_scale_s?");
   const bool turns = glm::length(forward) < kTurned * static_cast<double>(up.size());
-  if (turns && span_m > 0.0 && span_m < kStill_m) {
-    doubts.push_back("the head turns but moves by " + significant(span_m, 2) +
-                     " m only: is gaze.head_scale_m right?");
-  }
-  if (turns && span_m == 0.0) {
-    doubts.push_back(
-        "the head turns but its place does not change: expected gaze.head_position, unless the "
-        "headset tracks no place");
-  }
-  return doubts;
+  doubts.add(turns && span_m > 0.0 && span_m < kStill_m,
+             "the head turns but moves by " + significant(span_m, 2) +
+                 " m only: is gaze.head_scale_m right?");
+  doubts.add(
+      turns && span_m == 0.0,
+      "the head turns but its place does not change: expected gaze.head_position, unless the "
+      "headset tracks no place");
 }
 
-std::vector<std::string> SpaceDoubts::eyeDoubts() const {
-  std::vector<std::string> doubts;
+void SpaceDoubts::stateEyes(Doubts& doubts) const {
   std::vector<double> apart_m, right_of_left_m, converged_deg;
   for (const GazeSample& sample : kept_.kept()) {
     const auto& [left, right] = sample.eyes;
@@ -138,36 +125,28 @@ std::vector<std::string> SpaceDoubts::eyeDoubts() const {
   }
   if (apart_m.size() >= kMinSamples) {
     const double usual_m = median(apart_m);
-    if (usual_m < kMinIpd_m || usual_m > kMaxIpd_m) {
-      doubts.push_back("the eyes are " + significant(usual_m, 3) +
-                       " m apart, and people's 0.05 to 0.075 m: is gaze.origin_scale_m right "
-                       "(0.001 for mm), and the scene's scale?");
-    } else if (median(right_of_left_m) < 0.0) {
-      doubts.push_back(
-          "the left eye lies to the right of the right eye: are gaze.left_origin and "
-          "gaze.right_origin swapped, or gaze.axes wrong?");
-    }
+    doubts.add(usual_m < kMinIpd_m || usual_m > kMaxIpd_m,
+               "the eyes are " + significant(usual_m, 3) +
+                   " m apart, and people's 0.05 to 0.075 m: is gaze.origin_scale_m right "
+                   "(0.001 for mm), and the scene's scale?") ||
+        doubts.add(median(right_of_left_m) < 0.0,
+                   "the left eye lies to the right of the right eye: are gaze.left_origin and "
+                   "gaze.right_origin swapped, or gaze.axes wrong?");
   }
-  if (converged_deg.size() >= kMinSamples) {
-    const double usual_deg = median(converged_deg);
-    if (usual_deg < kDivergence_deg || usual_deg > kConvergence_deg) {
-      doubts.push_back("the lines of sight " +
-                       std::string(usual_deg < 0.0 ? "diverge by " : "converge by ") +
-                       significant(std::abs(usual_deg), 2) +
-                       " deg, as no eyes do: are the columns of the left and the right eye right, "
-                       "and gaze.axes?");
-    }
-  }
-  return doubts;
+  if (converged_deg.size() < kMinSamples) return;
+  const double usual_deg = median(converged_deg);
+  doubts.add(usual_deg < kDivergence_deg || usual_deg > kConvergence_deg,
+             std::string("the lines of sight ") +
+                 (usual_deg < 0.0 ? "diverge by " : "converge by ") +
+                 significant(std::abs(usual_deg), 2) +
+                 " deg, as no eyes do: are the columns of the left and the right eye right, "
+                 "and gaze.axes?");
 }
 
-std::vector<std::string> SpaceDoubts::sentences(bool in_world, bool y_is_up) const {
-  std::vector<std::string> doubts;
-  if (gazes_ >= kMinSamples) doubts = gazeDoubts(in_world);
-  for (auto& more : {headDoubts(y_is_up), eyeDoubts()}) {
-    doubts.insert(doubts.end(), more.begin(), more.end());
-  }
-  return doubts;
+void SpaceDoubts::state(bool in_world, bool y_is_up, Doubts& doubts) const {
+  if (gazes_ >= kMinSamples) stateGaze(in_world, doubts);
+  stateHead(y_is_up, doubts);
+  stateEyes(doubts);
 }
 
 }  // namespace foci

@@ -87,11 +87,8 @@ std::string columnOf(const ColumnNames& names, std::string_view pattern, std::si
 /// x, y and z, or none of them.
 ColumnList<3> tripleOf(const ColumnNames& names, std::string_view pattern, std::size_t side) {
   ColumnList<3> list{};
-  for (std::size_t axis : {0, 1, 2}) {
-    const auto column = names.find(keysOf(pattern, side, "xyz"[axis]));
-    if (!column) return {};
-    list[axis] = names.text(*column);
-  }
+  const auto columns = names.findTriple(pattern, side);
+  for (std::size_t i = 0; columns && i < 3; ++i) list[i] = names.text((*columns)[i]);
   return list;
 }
 

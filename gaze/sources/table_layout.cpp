@@ -153,14 +153,9 @@ class Recogniser {
         origin = side == 0 ? "eyecenter13dA" : "eyecenter03dA";
         direction = side == 0 ? "gazenormal1A" : "gazenormal0A";
       }
-      for (std::size_t axis : {0, 1, 2}) {
-        const auto along = [&](std::string_view keys) {
-          return find(keysOf(keys, side, "xyz"[axis]));
-        };
-        eye.origin_mm[axis] = along(origin);
-        eye.direction[axis] = along(direction);
-        eye.sight_mm[axis] = along("EYEgazepointinusercoordinatesystemA");
-      }
+      eye.origin_mm = names_.findTriple(origin, side);
+      eye.direction = names_.findTriple(direction, side);
+      eye.sight_mm = names_.findTriple("EYEgazepointinusercoordinatesystemA", side);
     }
   }
 
@@ -348,13 +343,14 @@ class Recogniser {
     bool any = false;
     rows_.survey(kEnoughRows, [&] {
       for (const EyeColumns& eye : layout_.eyes) {
-        for (const auto& column : eye.direction) {
-          any |= column && *column < rows_.size() && !rows_.isAbsent(*column);
+        for (std::size_t i = 0; eye.direction && i < 3; ++i) {
+          const std::size_t column = (*eye.direction)[i];
+          any |= column < rows_.size() && !rows_.isAbsent(column);
         }
       }
     });
     for (EyeColumns& eye : layout_.eyes) {
-      if (!any) eye.direction = eye.origin_mm = {};
+      if (!any) eye.direction = eye.origin_mm = std::nullopt;
     }
   }
 

@@ -31,7 +31,7 @@ struct EyeColumns {
   std::optional<std::size_t> x{}, y{};  ///< of the point
   std::optional<std::size_t> point{};   ///< or both coordinates in one field, "(x, y)"
   std::optional<std::size_t> validity{}, pupil_mm{}, pupil_own{};
-  std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{}, sight_mm{};  ///< x, y, z
+  ColumnsAt<3> origin_mm{}, direction{}, sight_mm{};               ///< x, y, z
   std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< or in one field, "(x, y, z)"
   std::optional<std::size_t> origin_validity{};
 
@@ -144,9 +144,7 @@ struct TableLayout {
     return format.starts_with("TSV") || format.starts_with("CSV") || format.starts_with("text");
   }
   /// Directions that are the gaze.
-  bool hasDirections() const {
-    return !sights_beside && (eyes[0].direction[0] || eyes[1].direction[0]);
-  }
+  bool hasDirections() const { return !sights_beside && (eyes[0].direction || eyes[1].direction); }
   /// Whether a column has a role.
   bool uses(std::size_t column) const;
   /// Columns that a row of the eye tracker fills. @param with_rating  also those that rate gaze

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -36,6 +36,16 @@ constexpr double kLongGap_s = 60.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
 constexpr double kSquare = 1.2;  // pixels are as wide as high, to this factor
 
+double shareOf(std::size_t part, std::size_t all) {
+  return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(all, 1));
+}
+
+/// The range without the outermost hundredths.
+glm::dvec2 rangeOf(std::vector<double> values) {
+  return {quantile(values, 0.01), quantile(values, 0.99)};
+}
+double widthOf(const glm::dvec2& range) { return range.y - range.x; }
+
 /// The positions of a recording, in the file's unit.
 struct Positions {
   std::vector<double> x{}, y{};
@@ -45,152 +55,11 @@ struct Positions {
 
   glm::dvec2 low() const { return degrees ? -0.5 * screen : glm::dvec2(0.0); }
   glm::dvec2 high() const { return low() + screen; }
-
   bool hasScreen() const { return screen.x > 0.0 && screen.y > 0.0; }
 };
 
-/// The range without the outermost hundredths.
-glm::dvec2 rangeOf(std::vector<double> values) {
-  return {quantile(values, 0.01), quantile(values, 0.99)};
-}
-double widthOf(const glm::dvec2& range) { return range.y - range.x; }
-
-bool isMetric(const TraceHeader& header) {
-  const Screen& screen = *header.screen;
-  return !header.nominal_screen && screen.size_px.x > 0 && screen.size_px.y > 0 &&
-         screen.size_m.x > 0.0 && screen.size_m.y > 0.0 && screen.distance_m > 0.0;
-}
-
-/// A short recording may be one fixation, but not at the origin: metres or fractions lie there.
-std::optional<std::string> stillness(const Positions& at, double span_s) {
-  const glm::dvec2 all_x = rangeOf(at.x), all_y = rangeOf(at.y);
-  const double x = widthOf(all_x), y = widthOf(all_y);
-  const bool at_origin = std::min(all_x.x, all_y.x) >= -1.0 && std::max(all_x.y, all_y.y) <= 1.0;
-  if (span_s < kLookedAround_s && !at_origin) return std::nullopt;
-  const glm::dvec2 limit = at.hasScreen() ? kStill * at.screen : glm::dvec2(kStill_deg);
-  const std::string keys = "; is its unit right (gaze.units, gaze.scale), and its column?";
-  if (x <= limit.x && y <= limit.y) {
-    return "gaze hardly moves: 98 % of it lies within " + significant(x) + " x " + significant(y) +
-           at.unit + keys;
-  }
-  const auto stuck = [&](double still, double moving, const char* axis) -> std::string {
-    if (still > 0.01 * moving) return {};
-    return std::string("gaze does not move along ") + axis + keys.substr(0, keys.size() - 1) +
-           " (gaze." + axis + ")?";
-  };
-  if (const std::string text = stuck(x, y, "x"); !text.empty()) return text;
-  if (const std::string text = stuck(y, x, "y"); !text.empty()) return text;
-  return std::nullopt;
-}
-
-std::optional<std::string> sameColumn(const Positions& at) {
-  for (std::size_t i = 0; i < at.x.size(); ++i) {
-    if (std::abs(at.x[i] - at.y[i]) > 1e-9 * (1.0 + std::abs(at.x[i]))) return std::nullopt;
-  }
-  return "x and y are the same in every sample: name their columns with gaze.x and gaze.y";
-}
-
-double shareOff(const std::vector<double>& values, double low, double high) {
-  const auto off = std::count_if(values.begin(), values.end(),
-                                 [&](double value) { return value < low || value > high; });
-  return static_cast<double>(off) / static_cast<double>(values.size());
-}
-
-std::optional<std::string> offScreen(const Positions& at) {
-  const glm::dvec2 low = at.low(), high = at.high();
-  const double x = shareOff(at.x, low.x, high.x), y = shareOff(at.y, low.y, high.y);
-  if (std::max(x, y) < kManyOff) return std::nullopt;
-  std::string text = percent(std::max(x, y)) + " of the gaze lies off the screen along " +
-                     (x >= y ? "x" : "y") + ": ";
-  if (std::max(shareOff(at.x, low.y, high.y), shareOff(at.y, low.x, high.x)) < 0.02) {
-    return text + "are x and y exchanged (gaze.x, gaze.y)?";
-  }
-  const std::vector<double>& worse = x >= y ? at.x : at.y;
-  const double negative = shareOff(worse, 0.0, 1e300);
-  if (!at.degrees && negative > 0.5 * std::max(x, y)) {
-    return text + "is the origin the top-left corner, with y down (gaze.offset, gaze.scale)?";
-  }
-  return text +
-         "are its unit (gaze.units) and the screen (screen.size_px, screen.size_m, "
-         "screen.distance_m) right?";
-}
-
-/// All gaze in the quarter beside the origin: millimetres, per cent, or pixels of a smaller screen.
-std::optional<std::string> inOneQuarter(const Positions& at, double span_s) {
-  if (span_s < kLookedAround_s) return std::nullopt;
-  const glm::dvec2 x = rangeOf(at.x), y = rangeOf(at.y);
-  if (x.x < 0.0 || y.x < 0.0 || x.y > 0.5 * at.screen.x || y.y > 0.5 * at.screen.y) {
-    return std::nullopt;
-  }
-  return "all gaze lies in the upper left quarter of the screen: are its unit (gaze.units, "
-         "gaze.scale) and screen.size_px right?";
-}
-
-/// Radians or fractions read as degrees.
-std::optional<std::string> withinADegree(const Positions& at, double span_s) {
-  if (span_s < kLookedAround_s) return std::nullopt;
-  const glm::dvec2 x = rangeOf(at.x), y = rangeOf(at.y);
-  if (std::min(x.x, y.x) < -1.0 || std::max(x.y, y.y) > 1.0) return std::nullopt;
-  return "all gaze lies within a degree: is its unit right (gaze.units; gaze.scale = [57.3, 57.3] "
-         "for radians)?";
-}
-
-/// A position that cannot be looked at and comes often.
-/// @param whose  "", or " of the left eye"
-std::optional<std::string> codeOfLoss(const Positions& at, const std::string& whose = "") {
-  const glm::dvec2 low = at.low(), high = at.high();
-  std::map<std::pair<double, double>, std::size_t> counts;
-  for (std::size_t i = 0; i < at.x.size(); ++i) {
-    const bool corner = !at.degrees && at.x[i] == 0.0 && at.y[i] == 0.0;
-    const bool off = at.hasScreen() &&
-                     (at.x[i] < low.x || at.y[i] < low.y || at.x[i] > high.x || at.y[i] > high.y);
-    const bool negative = !at.degrees && at.x[i] == at.y[i] && at.x[i] < 0.0;
-    if (corner || off || negative) ++counts[{at.x[i], at.y[i]}];
-  }
-  const auto most =
-      std::max_element(counts.begin(), counts.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most == counts.end()) return std::nullopt;
-  const double share = static_cast<double>(most->second) / static_cast<double>(at.x.size());
-  if (share < kCode) return std::nullopt;
-  constexpr int kDigits = 9;  // the code as the file has it: -32768, and not -3.277e+04
-  const std::string x = significant(most->first.first, kDigits);
-  const std::string y = significant(most->first.second, kDigits);
-  return "the position (" + x + ", " + y + ")" + whose + " is in " + percent(share) +
-         " of the samples with gaze: if it means data loss, give gaze.missing" +
-         (x == y ? " = " + x : "");
-}
-
-/// A coordinate of exactly 0 that comes often while the other one moves.
-std::optional<std::string> zeroOfOneAxis(const Positions& at) {
-  if (at.degrees) return std::nullopt;
-  const auto zeros = [](const std::vector<double>& values) {
-    return static_cast<double>(std::ranges::count(values, 0.0)) /
-           static_cast<double>(values.size());
-  };
-  const double x = zeros(at.x), y = zeros(at.y);
-  if (std::max(x, y) < kManyZeros || std::min(x, y) > 0.5 * std::max(x, y)) return std::nullopt;
-  return std::string(x > y ? "x" : "y") + " is 0 in " + percent(std::max(x, y)) +
-         " of the samples with gaze: if it means data loss, give gaze.missing = 0";
-}
-
-std::vector<std::string> screenDoubts(const TraceHeader& header) {
-  std::vector<std::string> doubts;
-  if (!isMetric(header)) return doubts;
-  const Screen& screen = *header.screen;
-  const glm::dvec2 pixel_m = screen.size_m / glm::dvec2(screen.size_px);
-  const double ratio = pixel_m.x / pixel_m.y;
-  if (ratio > kSquare || ratio < 1.0 / kSquare) {
-    doubts.push_back("pixels are " + significant(ratio) +
-                     " times as wide as high: are the screen's pixels and metres of one screen "
-                     "(screen.size_px, screen.size_m)?");
-  }
-  const double deg = glm::degrees(2.0 * std::atan(0.5 * screen.size_m.x / screen.distance_m));
-  if (deg < kMinScreen_deg || deg > kMaxScreen_deg) {
-    doubts.push_back("the screen is " + significant(deg) +
-                     " deg wide: are its metres right (screen.size_m, screen.distance_m)?");
-  }
-  return doubts;
+bool hasMetricScreen(const TraceHeader& header) {
+  return !header.nominal_screen && isMetric(*header.screen);
 }
 
 Positions positionsOf(const std::vector<glm::dvec2>& points_px, const TraceHeader& header) {
@@ -201,7 +70,7 @@ Positions positionsOf(const std::vector<glm::dvec2>& points_px, const TraceHeade
   at.unit = at.degrees ? " deg" : fractions ? " of the screen" : " px";
   if (fractions) {
     at.screen = glm::dvec2(1.0);
-  } else if (at.degrees && isMetric(header)) {
+  } else if (at.degrees && hasMetricScreen(header)) {
     at.screen = 2.0 * glm::degrees(glm::atan(0.5 * screen.size_m / screen.distance_m));
   } else if (!at.degrees && !header.nominal_screen) {
     at.screen = size_px;
@@ -216,16 +85,121 @@ Positions positionsOf(const std::vector<glm::dvec2>& points_px, const TraceHeade
   return at;
 }
 
-std::vector<std::string> positionDoubts(const Positions& at, double span_s) {
-  std::vector<std::string> doubts;
-  const auto note = [&](std::optional<std::string> doubt) {
-    if (doubt) doubts.push_back(std::move(*doubt));
-    return doubt.has_value();
+/// A short recording may be one fixation, but not at the origin: metres or fractions lie there.
+bool isStill(const Positions& at, double span_s, Doubts& doubts) {
+  const glm::dvec2 all_x = rangeOf(at.x), all_y = rangeOf(at.y);
+  const double x = widthOf(all_x), y = widthOf(all_y);
+  const bool at_origin = std::min(all_x.x, all_y.x) >= -1.0 && std::max(all_x.y, all_y.y) <= 1.0;
+  if (span_s < kLookedAround_s && !at_origin) return false;
+  const glm::dvec2 limit = at.hasScreen() ? kStill * at.screen : glm::dvec2(kStill_deg);
+  const std::string keys = "; is its unit right (gaze.units, gaze.scale), and its column";
+  const std::string still = "gaze does not move along ";
+  return doubts.add(x <= limit.x && y <= limit.y, "gaze hardly moves: 98 % of it lies within " +
+                                                      significant(x) + " x " + significant(y) +
+                                                      at.unit + keys + "?") ||
+         doubts.add(x <= 0.01 * y, still + "x" + keys + " (gaze.x)?") ||
+         doubts.add(y <= 0.01 * x, still + "y" + keys + " (gaze.y)?");
+}
+
+bool isSameColumn(const Positions& at, Doubts& doubts) {
+  for (std::size_t i = 0; i < at.x.size(); ++i) {
+    if (std::abs(at.x[i] - at.y[i]) > 1e-9 * (1.0 + std::abs(at.x[i]))) return false;
+  }
+  return doubts.add(
+      true, "x and y are the same in every sample: name their columns with gaze.x and gaze.y");
+}
+
+double shareOff(const std::vector<double>& values, double low, double high) {
+  const auto off =
+      std::ranges::count_if(values, [&](double value) { return value < low || value > high; });
+  return static_cast<double>(off) / static_cast<double>(values.size());
+}
+
+bool isOffScreen(const Positions& at, Doubts& doubts) {
+  const glm::dvec2 low = at.low(), high = at.high();
+  const double x = shareOff(at.x, low.x, high.x), y = shareOff(at.y, low.y, high.y);
+  const double share = std::max(x, y);
+  const bool exchanged =
+      std::max(shareOff(at.x, low.y, high.y), shareOff(at.y, low.x, high.x)) < 0.02;
+  const bool negative = !at.degrees && shareOff(x >= y ? at.x : at.y, 0.0, 1e300) > 0.5 * share;
+  return doubts.add(
+      share >= kManyOff,
+      percent(share) + " of the gaze lies off the screen along " + (x >= y ? "x" : "y") + ": " +
+          (exchanged  ? "are x and y exchanged (gaze.x, gaze.y)?"
+           : negative ? "is the origin the top-left corner, with y down (gaze.offset, gaze.scale)?"
+                      : "are its unit (gaze.units) and the screen (screen.size_px, screen.size_m, "
+                        "screen.distance_m) right?"));
+}
+
+void statePositions(const Positions& at, double span_s, Doubts& doubts) {
+  if (isStill(at, span_s, doubts) || isSameColumn(at, doubts)) return;
+  const glm::dvec2 x = rangeOf(at.x), y = rangeOf(at.y);
+  const bool looked_around = span_s >= kLookedAround_s;
+  if (at.degrees &&
+      doubts.add(looked_around && std::min(x.x, y.x) >= -1.0 && std::max(x.y, y.y) <= 1.0,
+                 "all gaze lies within a degree: is its unit right (gaze.units; gaze.scale = "
+                 "[57.3, 57.3] for radians)?")) {
+    return;
+  }
+  if (!at.hasScreen() || isOffScreen(at, doubts) || at.degrees) return;
+  // Millimetres, per cent, or pixels of a smaller screen.
+  doubts.add(looked_around && x.x >= 0.0 && y.x >= 0.0 && x.y <= 0.5 * at.screen.x &&
+                 y.y <= 0.5 * at.screen.y,
+             "all gaze lies in the upper left quarter of the screen: are its unit (gaze.units, "
+             "gaze.scale) and screen.size_px right?");
+}
+
+/// A position that cannot be looked at and comes often.
+/// @param whose  "", or " of the left eye"
+bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts) {
+  const glm::dvec2 low = at.low(), high = at.high();
+  std::map<std::pair<double, double>, std::size_t> counts;
+  for (std::size_t i = 0; i < at.x.size(); ++i) {
+    const bool corner = !at.degrees && at.x[i] == 0.0 && at.y[i] == 0.0;
+    const bool off = at.hasScreen() &&
+                     (at.x[i] < low.x || at.y[i] < low.y || at.x[i] > high.x || at.y[i] > high.y);
+    const bool negative = !at.degrees && at.x[i] == at.y[i] && at.x[i] < 0.0;
+    if (corner || off || negative) ++counts[{at.x[i], at.y[i]}];
+  }
+  const auto most =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (most == counts.end()) return false;
+  const double share = shareOf(most->second, at.x.size());
+  constexpr int kDigits = 9;  // the code as the file has it: -32768, and not -3.277e+04
+  const std::string x = significant(most->first.first, kDigits);
+  const std::string y = significant(most->first.second, kDigits);
+  return doubts.add(share >= kCode, "the position (" + x + ", " + y + ")" + whose + " is in " +
+                                        percent(share) +
+                                        " of the samples with gaze: if it means data loss, give "
+                                        "gaze.missing" +
+                                        (x == y ? " = " + x : ""));
+}
+
+/// A coordinate of exactly 0 that comes often while the other one moves.
+bool hasZerosOfOneAxis(const Positions& at, Doubts& doubts) {
+  const auto zeros = [](const std::vector<double>& values) {
+    return shareOf(static_cast<std::size_t>(std::ranges::count(values, 0.0)), values.size());
   };
-  if (note(stillness(at, span_s)) || note(sameColumn(at))) return doubts;
-  if (at.degrees && note(withinADegree(at, span_s))) return doubts;
-  if (at.hasScreen() && !note(offScreen(at)) && !at.degrees) note(inOneQuarter(at, span_s));
-  return doubts;
+  const double x = zeros(at.x), y = zeros(at.y), share = std::max(x, y);
+  return doubts.add(!at.degrees && share >= kManyZeros && std::min(x, y) <= 0.5 * share,
+                    std::string(x > y ? "x" : "y") + " is 0 in " + percent(share) +
+                        " of the samples with gaze: if it means data loss, give gaze.missing = 0");
+}
+
+void stateScreen(const TraceHeader& header, Doubts& doubts) {
+  if (!hasMetricScreen(header)) return;
+  const Screen& screen = *header.screen;
+  const glm::dvec2 pixel_m = screen.size_m / glm::dvec2(screen.size_px);
+  const double ratio = pixel_m.x / pixel_m.y;
+  doubts.add(ratio > kSquare || ratio < 1.0 / kSquare,
+             "pixels are " + significant(ratio) +
+                 " times as wide as high: are the screen's pixels and metres of one screen "
+                 "(screen.size_px, screen.size_m)?");
+  const double deg = glm::degrees(2.0 * std::atan(0.5 * screen.size_m.x / screen.distance_m));
+  doubts.add(deg < kMinScreen_deg || deg > kMaxScreen_deg,
+             "the screen is " + significant(deg) +
+                 " deg wide: are its metres right (screen.size_m, screen.distance_m)?");
 }
 
 }  // namespace
@@ -246,6 +220,7 @@ void TraceDoubts::addClock(double time_s) {
 void TraceDoubts::addPoint(const GazeSample& sample) {
   const glm::dvec2 point_px = *sample.point_px;
   if (present_ == 0 || point_px != last_px_) {
+    ++changes_;
     run_ = 0;
     run_s_ = sample.time_s;
   } else if (++run_ >= (whole_px_ ? kMinHeldWhole : kMinHeld) &&
@@ -253,7 +228,6 @@ void TraceDoubts::addPoint(const GazeSample& sample) {
     ++held_;
     longest_hold_s_ = std::max(longest_hold_s_, sample.time_s - run_s_);
   }
-  changes_ += present_ == 0 || point_px != last_px_;
   last_px_ = point_px;
   ++present_;
   kept_.add([&] {
@@ -274,149 +248,123 @@ void TraceDoubts::add(const GazeSample& sample) {
   if (sample.pupil_mm) pupils_mm_.add([&] { return *sample.pupil_mm; });
 }
 
-/// Doubts about data loss, the clock and the pupil.
-std::vector<std::string> TraceDoubts::rowDoubts() const {
-  std::vector<std::string> doubts;
-  const auto shareOf = [&](std::size_t count) {
-    return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(samples_, 1));
-  };
-  const double lost = 1.0 - shareOf(present_ + outside_);
-  if (shareOf(away_) > kManyOff) {
-    doubts.push_back(percent(shareOf(away_)) +
-                     " of the lines of sight lead away from the screen: are the axes x right, y "
-                     "up, and z towards the observer?");
-  } else if (samples_ >= kMinPositions && lost > kManyLost) {
-    doubts.push_back(percent(lost) +
-                     " of the samples have no gaze: are gaze.confidence, gaze.blink and "
-                     "gaze.missing right?");
+std::vector<glm::dvec2> TraceDoubts::points_px(std::optional<std::size_t> side) const {
+  std::vector<glm::dvec2> points_px;
+  for (const Kept& kept : kept_.kept()) {
+    const auto& point_px = side ? kept.eyes_px[*side] : std::optional(kept.point_px);
+    if (point_px) points_px.push_back(*point_px);
   }
-  const double rate_Hz = static_cast<double>(samples_ - 1) / (last_s_ - first_s_);
-  if (samples_ >= kMinPositions && (rate_Hz < kMinRate_Hz || rate_Hz > kMaxRate_Hz)) {
-    doubts.push_back(significant(rate_Hz) +
-                     " samples a second: is the unit of time right (gaze.time_scale_s)?");
-  }
-  if (longest_gap_s_ > kLongGap_s && 2.0 * longest_gap_s_ > last_s_ - first_s_) {
-    doubts.push_back("a gap of " + significant(longest_gap_s_) +
-                     " s: is the clock right (gaze.time, gaze.time_scale_s)?");
-  }
-  if (std::vector<double> pupils_mm = pupils_mm_.kept(); pupils_mm.size() >= kMinPositions) {
-    const double usual_mm = quantile(pupils_mm, 0.5);
-    if (usual_mm < kMinUsualPupil_mm || usual_mm > kMaxUsualPupil_mm) {
-      doubts.push_back("the pupil's usual diameter is " + significant(usual_mm) +
-                       " mm: is gaze.pupil_scale_mm right?");
-    }
-  }
-  return doubts;
+  return points_px;
 }
 
-std::vector<std::string> TraceDoubts::rateDoubts() const {
+/// Doubts about data loss, the clock and the pupil.
+void TraceDoubts::stateRows(Doubts& doubts) const {
+  const double lost = 1.0 - shareOf(present_ + outside_, samples_), away = shareOf(away_, samples_);
+  doubts.add(away > kManyOff,
+             percent(away) +
+                 " of the lines of sight lead away from the screen: are the axes x right, y "
+                 "up, and z towards the observer?") ||
+      doubts.add(samples_ >= kMinPositions && lost > kManyLost,
+                 percent(lost) +
+                     " of the samples have no gaze: are gaze.confidence, gaze.blink and "
+                     "gaze.missing right?");
+  const double span_s = last_s_ - first_s_;
+  const double rate_Hz = static_cast<double>(samples_ - 1) / span_s;
+  doubts.add(
+      samples_ >= kMinPositions && (rate_Hz < kMinRate_Hz || rate_Hz > kMaxRate_Hz),
+      significant(rate_Hz) + " samples a second: is the unit of time right (gaze.time_scale_s)?");
+  doubts.add(longest_gap_s_ > kLongGap_s && 2.0 * longest_gap_s_ > span_s,
+             "a gap of " + significant(longest_gap_s_) +
+                 " s: is the clock right (gaze.time, gaze.time_scale_s)?");
+  std::vector<double> pupils_mm = pupils_mm_.kept();
+  if (pupils_mm.size() < kMinPositions) return;
+  const double usual_mm = quantile(pupils_mm, 0.5);
+  doubts.add(usual_mm < kMinUsualPupil_mm || usual_mm > kMaxUsualPupil_mm,
+             "the pupil's usual diameter is " + significant(usual_mm) +
+                 " mm: is gaze.pupil_scale_mm right?");
+}
+
+void TraceDoubts::stateRates(Doubts& doubts) const {
   constexpr double kMaxUsual_Hz = 2050.0;
   constexpr std::size_t kMaxTold = 4;
-  std::vector<std::string> doubts;
-  if (watch_.rate_Hz() > kMaxUsual_Hz && rates_.empty()) {
-    doubts.push_back(significant(watch_.rate_Hz()) +
-                     " samples a second, more than eye trackers take: is the unit of time right "
-                     "(gaze.time_scale_s)?");
-  }
-  if (rates_.empty()) return doubts;
+  doubts.add(watch_.rate_Hz() > kMaxUsual_Hz && rates_.empty(),
+             significant(watch_.rate_Hz()) +
+                 " samples a second, more than eye trackers take: is the unit of time right "
+                 "(gaze.time_scale_s)?");
   std::string text = "the rate changes: " + significant(first_rate_Hz_) + " Hz";
   for (std::size_t i = 0; i < std::min(rates_.size(), kMaxTold); ++i) {
     text += ", from " + decimal(rates_[i].time_s - first_s_, 3) + " s on " +
             significant(rates_[i].rate_Hz) + " Hz";
   }
-  if (rates_.size() > kMaxTold) text += ", ...";
-  doubts.push_back(text + "; foci judges each stretch by its own rate");
-  return doubts;
+  doubts.add(!rates_.empty(), text + (rates_.size() > kMaxTold ? ", ..." : "") +
+                                  "; foci judges each stretch by its own rate");
 }
 
 /// A code for data loss: of the gaze, else of one eye, whose code the mean with the other hides.
-std::vector<std::string> TraceDoubts::lossDoubts(const TraceHeader& header) const {
-  std::vector<glm::dvec2> points_px;
-  for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
-  const Positions all = positionsOf(points_px, header);
-  if (auto doubt = codeOfLoss(all)) return {std::move(*doubt)};
-  if (auto doubt = zeroOfOneAxis(all)) return {std::move(*doubt)};
-  std::vector<std::string> doubts;
-  for (std::size_t side : {0, 1}) {
-    points_px.clear();
-    for (const Kept& kept : kept_.kept()) {
-      if (kept.eyes_px[side]) points_px.push_back(*kept.eyes_px[side]);
-    }
-    if (points_px.size() < kMinPositions) continue;
-    auto doubt = codeOfLoss(positionsOf(points_px, header),
-                            side == 0 ? " of the left eye" : " of the right eye");
-    if (doubt) doubts.push_back(std::move(*doubt));
+void TraceDoubts::stateLoss(const TraceHeader& header, Doubts& doubts) const {
+  const Positions all = positionsOf(points_px(), header);
+  if (isCodeOfLoss(all, "", doubts) || hasZerosOfOneAxis(all, doubts)) return;
+  for (const std::size_t side : {0, 1}) {
+    const auto of_eye_px = points_px(side);
+    if (of_eye_px.size() < kMinPositions) continue;
+    isCodeOfLoss(positionsOf(of_eye_px, header),
+                 side == 0 ? " of the left eye" : " of the right eye", doubts);
   }
-  return doubts;
 }
 
-/// Doubts about the eyes, and about rows that repeat.
-std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const {
-  std::vector<std::string> doubts;
-  const glm::dvec2 size_px(header.screen->size_px);
-  std::vector<double> apart;
-  for (const Kept& kept : kept_.kept()) {
-    if (!kept.eyes_px[0] || !kept.eyes_px[1] || !(size_px.x > 0.0)) continue;
-    apart.push_back(glm::distance(*kept.eyes_px[0], *kept.eyes_px[1]) / size_px.x);
-  }
-  if (apart.size() >= kMinPositions && quantile(apart, 0.5) > kApart && !header.nominal_screen) {
-    doubts.push_back(
-        "the eyes look at points far apart: are the columns of the left and the right "
-        "eye right, and of one unit (gaze.left_x, left_y, right_x, right_y)?");
-  }
+void TraceDoubts::stateEyes(const TraceHeader& header, Doubts& doubts) const {
+  const double width_px = header.screen->size_px.x;
+  std::vector<double> apart_px;
   std::array<std::vector<double>, 2> xs;
   for (const Kept& kept : kept_.kept()) {
-    for (std::size_t side : {0, 1}) {
-      if (kept.eyes_px[0] && kept.eyes_px[1]) xs[side].push_back(kept.eyes_px[side]->x);
-    }
+    if (!kept.eyes_px[0] || !kept.eyes_px[1]) continue;
+    apart_px.push_back(glm::distance(*kept.eyes_px[0], *kept.eyes_px[1]));
+    for (const std::size_t side : {0, 1}) xs[side].push_back(kept.eyes_px[side]->x);
   }
-  if (xs[0].size() >= kMinPositions) {
-    constexpr double kMostTold = 100.0;  // times; the other eye may stand still
-    const double left = widthOf(rangeOf(xs[0])), right = widthOf(rangeOf(xs[1]));
-    const double wide = std::max(left, right), narrow = std::min(left, right);
-    if (wide > kOtherScale * narrow) {
-      doubts.push_back(std::string("the ") + (left > right ? "left" : "right") +
-                       " eye moves over " +
-                       significant(wide / std::max(narrow, wide / kMostTold), 3) +
-                       " times the range of the other: are their columns of one unit "
-                       "(gaze.left_x, left_y, right_x, right_y)?");
-    }
-  }
-  // A still eye, or whole pixels, give longer runs of equal positions.
-  const double run = static_cast<double>(present_) / static_cast<double>(changes_);
-  if (!whole_px_ && run > kMinRun && run < kMaxRun) {
-    doubts.push_back("each position comes " + significant(run) +
-                     " times in a row, so the tracker was slower than the rows, and velocities are "
-                     "wrong: keep one row of each (gaze.time names the column of the time)");
-  }
-  const double moving = static_cast<double>(present_ - held_);
-  const double share = static_cast<double>(held_) / static_cast<double>(present_);
-  if (share > kManyHeld && static_cast<double>(changes_) > kMoving * moving) {
-    doubts.push_back("positions stay the same to the last digit for up to " +
-                     significant(longest_hold_s_, 2) + " s (" + decimal(100.0 * share, 1) +
-                     " % of the samples), as where the last one stands for data loss: if a column "
-                     "tells, name it with gaze.confidence or gaze.blink");
-  }
-  return doubts;
+  if (apart_px.size() < kMinPositions) return;
+  doubts.add(
+      width_px > 0.0 && quantile(apart_px, 0.5) / width_px > kApart && !header.nominal_screen,
+      "the eyes look at points far apart: are the columns of the left and the right "
+      "eye right, and of one unit (gaze.left_x, left_y, right_x, right_y)?");
+  constexpr double kMostTold = 100.0;  // times; the other eye may stand still
+  const double left = widthOf(rangeOf(xs[0])), right = widthOf(rangeOf(xs[1]));
+  const double wide = std::max(left, right), narrow = std::min(left, right);
+  doubts.add(wide > kOtherScale * narrow,
+             std::string("the ") + (left > right ? "left" : "right") + " eye moves over " +
+                 significant(wide / std::max(narrow, wide / kMostTold), 3) +
+                 " times the range of the other: are their columns of one unit "
+                 "(gaze.left_x, left_y, right_x, right_y)?");
+}
+
+/// Positions that repeat in a row. A still eye, or whole pixels, give longer runs.
+void TraceDoubts::stateRepeats(Doubts& doubts) const {
+  const double run = shareOf(present_, changes_);
+  doubts.add(!whole_px_ && run > kMinRun && run < kMaxRun,
+             "each position comes " + significant(run) +
+                 " times in a row, so the tracker was slower than the rows, and velocities are "
+                 "wrong: keep one row of each (gaze.time names the column of the time)");
+  const double share = shareOf(held_, present_);
+  doubts.add(share > kManyHeld && shareOf(changes_, present_ - held_) > kMoving,
+             "positions stay the same to the last digit for up to " +
+                 significant(longest_hold_s_, 2) + " s (" + decimal(100.0 * share, 1) +
+                 " % of the samples), as where the last one stands for data loss: if a column "
+                 "tells, name it with gaze.confidence or gaze.blink");
 }
 
 void TraceDoubts::state(const TraceColumns& columns, TraceHeader& header) const {
-  const auto append = [&](std::vector<std::string> more) {
-    header.warnings.insert(header.warnings.end(), std::make_move_iterator(more.begin()),
-                           std::make_move_iterator(more.end()));
-    return !more.empty();
-  };
-  append(screenDoubts(header));
-  append(rowDoubts());
-  append(rateDoubts());
-  append(space_.sentences(header.gaze_in_world, header.world_y_up));
+  Doubts doubts(header.warnings);
+  stateScreen(header, doubts);
+  stateRows(doubts);
+  stateRates(doubts);
+  space_.state(header.gaze_in_world, header.world_y_up, doubts);
   if (kept_.kept().size() < kMinPositions || columns.mapped_later || columns.space.from_head)
     return;
-  std::vector<glm::dvec2> points_px;
-  for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
-  append(lossDoubts(header));
-  const bool doubtful = append(positionDoubts(positionsOf(points_px, header), last_s_ - first_s_));
-  append(eyeDoubts(header));
+  stateLoss(header, doubts);
+  const std::size_t before = header.warnings.size();
+  statePositions(positionsOf(points_px(), header), last_s_ - first_s_, doubts);
+  const bool doubtful = header.warnings.size() > before;
+  stateEyes(header, doubts);
+  stateRepeats(doubts);
   constexpr std::string_view kCertain = "certain: a column of ";
   for (ColumnReading& reading : header.columns) {
     if (!doubtful || !reading.why.starts_with(kCertain)) continue;

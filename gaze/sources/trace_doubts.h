@@ -37,8 +37,23 @@ class Thinned {
   std::vector<T> kept_{};
 };
 
+/// Where doubts become warnings.
+class Doubts {
+ public:
+  explicit Doubts(std::vector<std::string>& warnings) : warnings_(warnings) {}
+
+  /// @return whether it is doubtful
+  bool add(bool is_doubtful, const std::string& sentence) {
+    if (is_doubtful) warnings_.push_back(sentence);
+    return is_doubtful;
+  }
+
+ private:
+  std::vector<std::string>& warnings_;
+};
+
 /// What looks wrong in gaze in space: a wrong frame, axis, unit or order of columns still gives
-/// lines of sight, so nobody would notice it in a result.
+/// lines of sight.
 class SpaceDoubts {
  public:
   void add(const GazeSample& sample);
@@ -46,12 +61,12 @@ class SpaceDoubts {
   /// One sentence for each doubt, with the key to set.
   /// @param in_world  the frame of the gaze columns, as stated
   /// @param y_is_up   in the recording's world; false: unknown
-  std::vector<std::string> sentences(bool in_world, bool y_is_up) const;
+  void state(bool in_world, bool y_is_up, Doubts& doubts) const;
 
  private:
-  std::vector<std::string> gazeDoubts(bool in_world) const;
-  std::vector<std::string> headDoubts(bool y_is_up) const;
-  std::vector<std::string> eyeDoubts() const;
+  void stateGaze(bool in_world, Doubts& doubts) const;
+  void stateHead(bool y_is_up, Doubts& doubts) const;
+  void stateEyes(Doubts& doubts) const;
 
   std::size_t gazes_ = 0, behind_ = 0, beside_ = 0;
   Thinned<GazeSample> kept_{};
@@ -79,10 +94,13 @@ class TraceDoubts {
 
   void addClock(double time_s);
   void addPoint(const GazeSample& sample);
-  std::vector<std::string> rowDoubts() const;
-  std::vector<std::string> rateDoubts() const;
-  std::vector<std::string> lossDoubts(const TraceHeader& header) const;
-  std::vector<std::string> eyeDoubts(const TraceHeader& header) const;
+  void stateRows(Doubts& doubts) const;
+  void stateRates(Doubts& doubts) const;
+  void stateLoss(const TraceHeader& header, Doubts& doubts) const;
+  void stateEyes(const TraceHeader& header, Doubts& doubts) const;
+  void stateRepeats(Doubts& doubts) const;
+  /// Of the gaze, or of one eye.
+  std::vector<glm::dvec2> points_px(std::optional<std::size_t> side = {}) const;
 
   SpaceDoubts space_{};
   RateWatch watch_{};

@@ -7,7 +7,7 @@
 #include "base/input_error.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/bids_writer.h"
+#include "gaze/sources/bids.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
 
