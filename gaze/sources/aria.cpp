@@ -56,11 +56,66 @@ class AriaTrajectory {
   /// is known from the glasses' drawings, which differ for the two generations.
   /// @param header  of the table of gaze
   /// @throws InputError
-  AriaTrajectory(const std::filesystem::path& file, std::string_view header);
+  AriaTrajectory(const std::filesystem::path& file, std::string_view header)
+      : first_generation_(header.find("left_pitch_rads_cpf") == std::string_view::npos) {
+    const HeadInWorld device_from_head =
+        deviceFromHead(first_generation_ ? kFirstGeneration : kSecondGeneration);
+    LineReader lines(file);
+    TextRows rows(lines);
+    constexpr std::array<const char*, 8> kNames = {
+        "tracking_timestamp_us", "tx_world_device", "ty_world_device", "tz_world_device",
+        "qx_world_device",       "qy_world_device", "qz_world_device", "qw_world_device"};
+    std::array<std::size_t, kNames.size()> at{};
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      const auto found = std::ranges::find(rows.names(), kNames[i]);
+      if (found == rows.names().end()) {
+        throw rows.error(std::string("expected a column ") + kNames[i] + ", as in Aria's " +
+                         "closed_loop_trajectory.csv");
+      }
+      at[i] = static_cast<std::size_t>(found - rows.names().begin());
+      end = std::max(end, at[i] + 1);
+    }
+    rows.limitTo(end);
+    while (rows.next()) {
+      std::array<double, kNames.size()> v{};
+      for (std::size_t i = 0; i < v.size(); ++i) {
+        const std::string_view text = at[i] < rows.size() ? rows.text(at[i]) : std::string_view();
+        const auto value = fieldNumber(text);
+        if (!value && rows.mayBeCut()) return;  // the last line is cut off
+        if (!value)
+          throw rows.error(std::string(kNames[i]) + " = " + shown(text) + ": expected a number");
+        v[i] = *value;
+      }
+      const glm::dquat q(v[7], v[4], v[5], v[6]);
+      if (std::abs(glm::length(q) - 1.0) > kUnitQuaternionSlack) {
+        throw rows.error("qx_world_device to qw_world_device: expected a quaternion of length 1");
+      }
+      const double time_s = kMicrosecond_s * v[0];
+      if (!poses_.empty() && time_s <= poses_.back().time_s) continue;
+      const glm::dquat world_from_device = glm::normalize(q);
+      poses_.push_back({time_s,
+                        {.position_m = glm::dvec3(v[1], v[2], v[3]) +
+                                       world_from_device * device_from_head.position_m,
+                         .world_from_head = world_from_device * device_from_head.world_from_head}});
+    }
+  }
 
   /// Between the poses around a time: the place linearly, the orientation along the shortest arc.
   /// Nothing beside the trajectory, or in a gap of over 0.1 s.
-  std::optional<HeadInWorld> at(double time_s) const;
+  std::optional<HeadInWorld> at(double time_s) const {
+    const auto after = std::ranges::lower_bound(poses_, time_s, {}, &Pose::time_s);
+    if (after == poses_.end() || (after == poses_.begin() && after->time_s > time_s)) {
+      return std::nullopt;
+    }
+    if (after->time_s == time_s) return after->head;
+    const Pose &a = *(after - 1), &b = *after;
+    if (b.time_s - a.time_s > kMaxGap_s) return std::nullopt;
+    const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
+    return HeadInWorld{
+        .position_m = glm::mix(a.head.position_m, b.head.position_m, share),
+        .world_from_head = glm::slerp(a.head.world_from_head, b.head.world_from_head, share)};
+  }
 
   /// Whose drawings were taken, for reports.
   std::string assumed() const {
@@ -78,65 +133,6 @@ class AriaTrajectory {
   bool first_generation_;
   std::vector<Pose> poses_{};
 };
-
-AriaTrajectory::AriaTrajectory(const std::filesystem::path& file, std::string_view header)
-    : first_generation_(header.find("left_pitch_rads_cpf") == std::string_view::npos) {
-  const HeadInWorld device_from_head =
-      deviceFromHead(first_generation_ ? kFirstGeneration : kSecondGeneration);
-  LineReader lines(file);
-  TextRows rows(lines);
-  constexpr std::array<const char*, 8> kNames = {
-      "tracking_timestamp_us", "tx_world_device", "ty_world_device", "tz_world_device",
-      "qx_world_device",       "qy_world_device", "qz_world_device", "qw_world_device"};
-  std::array<std::size_t, kNames.size()> at{};
-  std::size_t end = 0;
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    const auto found = std::ranges::find(rows.names(), kNames[i]);
-    if (found == rows.names().end()) {
-      throw rows.error(std::string("expected a column ") + kNames[i] + ", as in Aria's " +
-                       "closed_loop_trajectory.csv");
-    }
-    at[i] = static_cast<std::size_t>(found - rows.names().begin());
-    end = std::max(end, at[i] + 1);
-  }
-  rows.limitTo(end);
-  while (rows.next()) {
-    std::array<double, kNames.size()> v{};
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      const std::string_view text = at[i] < rows.size() ? rows.text(at[i]) : std::string_view();
-      const auto value = fieldNumber(text);
-      if (!value && rows.mayBeCut()) return;  // the last line is cut off
-      if (!value)
-        throw rows.error(std::string(kNames[i]) + " = " + shown(text) + ": expected a number");
-      v[i] = *value;
-    }
-    const glm::dquat q(v[7], v[4], v[5], v[6]);
-    if (std::abs(glm::length(q) - 1.0) > kUnitQuaternionSlack) {
-      throw rows.error("qx_world_device to qw_world_device: expected a quaternion of length 1");
-    }
-    const double time_s = kMicrosecond_s * v[0];
-    if (!poses_.empty() && time_s <= poses_.back().time_s) continue;
-    const glm::dquat world_from_device = glm::normalize(q);
-    poses_.push_back({time_s,
-                      {.position_m = glm::dvec3(v[1], v[2], v[3]) +
-                                     world_from_device * device_from_head.position_m,
-                       .world_from_head = world_from_device * device_from_head.world_from_head}});
-  }
-}
-
-std::optional<HeadInWorld> AriaTrajectory::at(double time_s) const {
-  const auto after = std::ranges::lower_bound(poses_, time_s, {}, &Pose::time_s);
-  if (after == poses_.end() || (after == poses_.begin() && after->time_s > time_s)) {
-    return std::nullopt;
-  }
-  if (after->time_s == time_s) return after->head;
-  const Pose &a = *(after - 1), &b = *after;
-  if (b.time_s - a.time_s > kMaxGap_s) return std::nullopt;
-  const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
-  return HeadInWorld{
-      .position_m = glm::mix(a.head.position_m, b.head.position_m, share),
-      .world_from_head = glm::slerp(a.head.world_from_head, b.head.world_from_head, share)};
-}
 
 bool isAria(const RecordingFile& file) {
   const std::string_view header = file.firstLine();

@@ -38,8 +38,6 @@ class ColumnNames {
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
   /// Whether positions are lengths or per cent, which only gaze.scale converts.
   bool needsScale(std::size_t column) const { return isWordOf("mm cm m %", unit(column)); }
-  /// Whether the column counts from the presented media, not from the screen (Tobii's MCS).
-  bool ofMedia(std::size_t column) const { return names_[column].of_media; }
 
   /// The column of the first key that the table has. @param keys  separated by blanks
   std::optional<std::size_t> find(std::string_view keys) const;

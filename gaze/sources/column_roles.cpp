@@ -12,26 +12,25 @@
 namespace foci {
 namespace {
 
-/// What the study names a column for.
-bool isNamed(const ColumnNames& names, std::size_t column, const TraceColumns& given) {
-  const auto is = [&](const std::string& name) {
-    return !name.empty() &&
-           (name == names.text(column) || name == "#" + std::to_string(column + 1));
+/// The columns that the study names.
+std::vector<std::string> namesIn(const TraceColumns& given) {
+  std::vector<std::string> all{given.time,  given.x,     given.y,
+                               given.pupil, given.blink, given.confidence};
+  const auto add = [&](const auto&... lists) {
+    (all.insert(all.end(), lists.begin(), lists.end()), ...);
   };
-  const auto any = [&](const auto& list) { return std::any_of(list.begin(), list.end(), is); };
-  const auto inSight = [&](const SightColumns& sight) {
-    return any(sight.direction) || any(sight.angles) || any(sight.quaternion) || any(sight.point) ||
-           any(sight.origin);
+  const auto addSight = [&](const SightColumns& sight) {
+    add(sight.direction, sight.angles, sight.quaternion, sight.point, sight.origin);
   };
-  bool named = is(given.time) || is(given.x) || is(given.y) || is(given.pupil) || is(given.blink) ||
-               is(given.confidence) || inSight(given.space.both) ||
-               any(given.space.head_position) || any(given.space.head_quaternion) ||
-               any(given.space.head_angles) || any(given.space.head_euler);
-  for (std::size_t side : {0, 1}) {
+  const SpaceColumns& space = given.space;
+  add(space.head_position, space.head_quaternion, space.head_angles, space.head_euler);
+  addSight(space.both);
+  for (const std::size_t side : {0, 1}) {
     const TraceColumns::Eye& eye = given.eyes[side];
-    named = named || is(eye.x) || is(eye.y) || is(eye.pupil) || inSight(given.space.eyes[side]);
+    add(std::array{eye.x, eye.y, eye.pupil});
+    addSight(space.eyes[side]);
   }
-  return named;
+  return all;
 }
 
 class Roles {
@@ -154,13 +153,20 @@ std::vector<ColumnRole> rolesOf(const TableLayout& layout, const TraceColumns& g
 std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout,
                                       const TraceColumns& given) {
   std::vector<ColumnReading> readings;
+  const std::vector<std::string> given_names = namesIn(given);
+  const auto isNamed = [&](std::size_t column) {
+    return std::ranges::any_of(given_names, [&](const std::string& name) {
+      return !name.empty() &&
+             (name == names.text(column) || name == "#" + std::to_string(column + 1));
+    });
+  };
   for (std::size_t i = 0; i < names.size(); ++i) {
     ColumnReading reading{.columns = layout.headless ? "#" + std::to_string(i + 1)
                                                      : std::string(names.text(i))};
     const auto role = std::ranges::find(layout.roles, i, &ColumnRole::column);
     if (role != layout.roles.end()) {
       reading.meaning = role->meaning;
-      reading.why = isNamed(names, i, given) ? "the study states it"
+      reading.why = isNamed(i) ? "the study states it"
                     : !layout.lacks.empty()
                         ? "likely: a column of " + layout.format + ", which lacks " + layout.lacks
                     : !layout.isPlain()     ? "certain: a column of " + layout.format

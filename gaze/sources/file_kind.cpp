@@ -3,7 +3,7 @@
 
 #include <zlib.h>
 
-#include <array>
+#include <algorithm>
 
 #include "base/file.h"
 #include "base/input_error.h"
@@ -106,14 +106,18 @@ std::optional<std::string> otherFileKind(std::string_view start,
   return std::nullopt;
 }
 
-void requireGazeText(const std::filesystem::path& file) {
-  std::array<char, 64> bytes{};
+std::string firstBytes(const std::filesystem::path& file, std::size_t count) {
+  std::string bytes(count, '\0');
   gzFile in = gzopen(file.string().c_str(), "rb");
-  if (!in) return;  // the reader reports it
-  const int count = gzread(in, bytes.data(), static_cast<unsigned>(bytes.size()));
-  gzclose(in);
-  if (count <= 0) return;
-  const std::string_view start(bytes.data(), static_cast<std::size_t>(count));
+  const int read = in ? gzread(in, bytes.data(), static_cast<unsigned>(count)) : 0;
+  if (in) gzclose(in);
+  bytes.resize(static_cast<std::size_t>(std::max(read, 0)));
+  return bytes;
+}
+
+void requireGazeText(const std::filesystem::path& file) {
+  const std::string start = firstBytes(file, 64);
+  if (start.empty()) return;  // the reader reports it
   if (const auto kind = otherFileKind(start, file)) throw InputError(file.string(), *kind);
 }
 

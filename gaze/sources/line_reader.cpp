@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,39 +23,23 @@ bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 }  // namespace
 
-struct LineReader::Input {
-  std::optional<PackedFile> file{};  // absent: all is in the buffer
-  bool done = false;                 // at the end of the file, or at damage in a packed file
-};
-
 LineReader::LineReader(const std::filesystem::path& file)
-    : name_(file.string()), in_(std::make_unique<Input>()), buffer_(kBuffer_B + kNumberPadding) {
+    : name_(file.string()), buffer_(kBuffer_B + kNumberPadding) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(name_, "is a folder");
   requireRegularFile(file);
-  in_->file.emplace(file);
+  file_ = std::make_unique<PackedFile>(file);
 }
-
-LineReader::LineReader(std::string name, std::string_view text)
-    : name_(std::move(name)),
-      in_(std::make_unique<Input>()),
-      buffer_(text.size() + kNumberPadding),
-      end_(text.size()) {
-  in_->done = true;
-  std::copy(text.begin(), text.end(), buffer_.begin());
-}
-
-LineReader::~LineReader() = default;
 
 bool LineReader::fill() {
-  if (in_->done) return false;
+  if (!file_) return false;
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  in_->done = true;
-  const std::size_t count = in_->file->read(buffer_.data() + end_, kBuffer_B - end_);
-  in_->done = count == 0;
+  std::unique_ptr<PackedFile> file = std::move(file_);  // gone if it is damaged
+  const std::size_t count = file->read(buffer_.data() + end_, kBuffer_B - end_);
   end_ += count;
+  if (count > 0) file_ = std::move(file);
   return count > 0;
 }
 

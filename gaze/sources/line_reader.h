@@ -53,10 +53,6 @@ class LineReader final : public Place {
  public:
   /// @throws InputError if the file cannot be read or is a folder
   explicit LineReader(const std::filesystem::path& file);
-  /// Reads a table that a reader of another format has made.
-  /// @param name  of the file, for errors
-  LineReader(std::string name, std::string_view text);
-  ~LineReader() override;
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
 
@@ -76,11 +72,10 @@ class LineReader final : public Place {
   const std::string& fileName() const { return name_; }
 
  private:
-  struct Input;  // zlib's file; zlib reads plain files, too
   bool fill();
 
   std::string name_;
-  std::unique_ptr<Input> in_;
+  std::unique_ptr<PackedFile> file_{};  // null: at its end
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;
   std::size_t number_ = 0;

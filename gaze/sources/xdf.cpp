@@ -6,7 +6,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -344,11 +343,7 @@ LslStream lslStreamOf(std::string_view xml, const std::string& file) {
 namespace {
 
 bool isXdf(const RecordingFile& file) {
-  std::array<char, 4> magic{};
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.path().string().c_str(), "rb"),
-                                                      gzclose);
-  return in && gzread(in.get(), magic.data(), magic.size()) == 4 &&
-         std::string_view(magic.data(), magic.size()) == kXdfMagic;
+  return firstBytes(file.path(), kXdfMagic.size()) == kXdfMagic;
 }
 
 /// Of the stream `gaze.stream`, else of the only stream of gaze (`LslStream::isGaze`).
