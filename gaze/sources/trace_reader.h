@@ -190,18 +190,38 @@ struct TraceHeader {
 
 using TakeSample = std::function<void(const GazeSample&)>;
 
-/// Reads a recording sample by sample, in constant memory. It recognises the format from the
-/// content (docs/recordings.md and docs/vr.md list the formats).
+/// Reads a recording sample by sample, in constant memory.
+///
+/// It recognises the format from the content. Formats:
+/// - EyeLink ASC.
+/// - Tobii Pro Lab TSV, Tobii Studio TSV, Tobii Pro SDK CSV.
+/// - Pupil Core (gaze_positions.csv, gaze_positions_on_surface_NAME.csv), Neon (gaze.csv).
+/// - GazeBase, GazeBaseVR.
+/// - Text of SMI's BeGaze and IDF Converter.
+/// - BIDS eye tracking (`*_physio.tsv.gz` beside its JSON).
+/// - EyeNavGS, HoloLens 2, SRanipal, Tobii Pro Glasses (gaze in space).
+/// - Neon's native folder, or its `gaze ps1.raw`.
+/// - XDF (Lab Streaming Layer): the channels of its gaze stream are a table's columns.
+/// - Any TSV or CSV with named columns, with one point or two eyes.
 ///
 /// A table is delimited by tabs, commas, semicolons or blanks. Fields may be quoted, and files may
 /// be gzipped. A first line `# key=value ...` may contain screen_width_px screen_height_px
-/// screen_width_m screen_height_m viewing_distance_m sampling_Hz units. Lines between the rows that
-/// begin with # are comments.
+/// screen_width_m screen_height_m viewing_distance_m sampling_Hz units. Absent values are an empty
+/// field, ".", "-", NaN, NA, N/A, null and none. Times are numbers, or dates and times of day
+/// (`ClockTimes`). A first line `sep=;` states the separator. Lines between the rows that begin
+/// with # are comments.
 ///
 /// `GazeSample::point_px` is the recording's own point for both eyes, else the `Cyclopean` point.
-/// Degrees without a known screen are put on a nominal screen. Positions without a stated unit are
-/// pixels. Half of them within two pixels of the corner, and no whole numbers, are refused as
-/// fractions.
+/// Degrees without a known screen are put on a nominal screen.
+///
+/// EyeLink: the pupil has the tracker's own unit. At 2000 Hz two samples have the same time stamp;
+/// the second one is put half a millisecond later. A blink of one eye counts for both, unless it
+/// lasts more than a second.
+///
+/// Pupil Core: the point is where the mean of the two lines of sight meets the screen. Samples of a
+/// confidence below 0.6 have no point.
+/// Positions without a stated unit are pixels. Half of them within two pixels of the corner, and no
+/// whole numbers, are refused as fractions.
 /// @throws InputError on unreadable, binary or empty files, unknown columns, fields that are not
 ///   numbers, time that does not increase, and lines over 64 KiB
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
