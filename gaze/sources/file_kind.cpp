@@ -106,7 +106,7 @@ std::optional<std::string> otherFileKind(std::string_view start,
   return std::nullopt;
 }
 
-std::string firstBytes(const std::filesystem::path& file, std::size_t count) {
+std::string unpackedStart(const std::filesystem::path& file, std::size_t count) {
   std::string bytes(count, '\0');
   gzFile in = gzopen(file.string().c_str(), "rb");
   const int read = in ? gzread(in, bytes.data(), static_cast<unsigned>(count)) : 0;
@@ -116,7 +116,7 @@ std::string firstBytes(const std::filesystem::path& file, std::size_t count) {
 }
 
 void requireGazeText(const std::filesystem::path& file) {
-  const std::string start = firstBytes(file, 64);
+  const std::string start = unpackedStart(file, 64);
   if (start.empty()) return;  // the reader reports it
   if (const auto kind = otherFileKind(start, file)) throw InputError(file.string(), *kind);
 }

@@ -57,7 +57,7 @@ extern const RecordingFormat kNeonNative, kTobiiGlasses, kBids, kXdf, kEyeLinkAs
 std::optional<std::string> otherFileKind(std::string_view start, const std::filesystem::path& name);
 
 /// The first bytes of a file, unpacked; empty if it cannot be read.
-std::string firstBytes(const std::filesystem::path& file, std::size_t count);
+std::string unpackedStart(const std::filesystem::path& file, std::size_t count);
 
 /// @throws InputError if the file is no text that may hold gaze; a file that cannot be read passes
 void requireGazeText(const std::filesystem::path& file);

@@ -343,7 +343,7 @@ LslStream lslStreamOf(std::string_view xml, const std::string& file) {
 namespace {
 
 bool isXdf(const RecordingFile& file) {
-  return firstBytes(file.path(), kXdfMagic.size()) == kXdfMagic;
+  return unpackedStart(file.path(), kXdfMagic.size()) == kXdfMagic;
 }
 
 /// Of the stream `gaze.stream`, else of the only stream of gaze (`LslStream::isGaze`).
