@@ -140,12 +140,17 @@ Warnings warningsOf(const std::string& file, const GazeTrace& trace) {
   return warnings;
 }
 
-InputError nothingJudged(const std::string& file, const EventLabels& labels) {
+/// @throws InputError if no sample can be judged
+EventLabels judgedLabels(const std::string& file, const GazeTrace& trace,
+                         const EventSettings& settings, bool online) {
+  EventLabels labels = labelEvents(trace, *trace.screen, settings, online);
+  if (labels.any_judged) return labels;
   std::string reasons;
   for (const std::string& warning : labels.warnings) {
     reasons += (reasons.empty() ? "" : "; ") + warning;
   }
-  return {file, "no sample can be judged: " + (reasons.empty() ? "all gaze is lost" : reasons)};
+  throw InputError(file,
+                   "no sample can be judged: " + (reasons.empty() ? "all gaze is lost" : reasons));
 }
 
 void detectEvents(const EventsOptions& options) {
@@ -155,10 +160,9 @@ void detectEvents(const EventsOptions& options) {
   requireWholeScreen(*trace.screen, options.traces[0]);
   Warnings warnings = warningsOf(options.traces[0], trace);
   const EventSettings& settings = description.events;
-  const EventLabels labels = labelEvents(trace, *trace.screen, settings, options.online);
+  const EventLabels labels = judgedLabels(options.traces[0], trace, settings, options.online);
   const auto events = eventsOf(labels, trace, *trace.screen, settings);
   const RecordingQuality quality = qualityOf(trace, *trace.screen, labels.states, events);
-  if (!labels.any_judged) throw nothingJudged(options.traces[0], labels);
   for (const std::string& warning : eventWarnings(trace, labels, quality, settings)) {
     warnings.add(options.traces[0], warning);
   }
@@ -281,9 +285,10 @@ void scoreEvents(const EventsOptions& options) {
     const LabelledTrace labelled = readLabelledTrace(file, description.screen, description.columns);
     requireWholeScreen(*labelled.trace.screen, file);
     warnings.include(warningsOf(file, labelled.trace).all());
-    scores.add(labelled, labelEvents(labelled.trace, *labelled.trace.screen, description.events,
-                                     options.online)
-                             .states);
+    const EventLabels labels =
+        judgedLabels(file, labelled.trace, description.events, options.online);
+    for (const std::string& warning : labels.warnings) warnings.add(file, warning);
+    scores.add(labelled, labels.states);
   }
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
                                  {"samples", scores.samples},
@@ -314,7 +319,11 @@ void compareDetectors(const EventsOptions& options) {
     std::array<std::vector<GazeState>, kDetectors.size()> labels;
     for (std::size_t d = 0; d < kDetectors.size(); ++d) {
       description.events.detector = kDetectors[d];
-      labels[d] = labelEvents(trace, *trace.screen, description.events, options.online).states;
+      EventLabels found = judgedLabels(file, trace, description.events, options.online);
+      if (d == 0) {
+        for (const std::string& warning : found.warnings) warnings.add(file, warning);
+      }
+      labels[d] = std::move(found.states);
     }
     for (std::size_t a = 0; a < kDetectors.size(); ++a) {
       for (std::size_t i = 0; i < labels[a].size(); ++i) {

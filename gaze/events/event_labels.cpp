@@ -103,15 +103,14 @@ void label(const GazeTrace& trace, const Screen& screen, const EventSettings& se
                             : labelPublished(trace, screen, settings);
     labels.states.insert(labels.states.end(), states.begin(), states.end());
   }
+  const auto in_hindsight = signalDoubts(trace, screen, settings, kWholeRecording);
   const auto doubts =
-      signalDoubts(trace, screen, settings, online ? settings.delay_s : kWholeRecording);
+      online ? signalDoubts(trace, screen, settings, settings.delay_s) : in_hindsight;
   for (std::size_t i = 0; i < doubts.size(); ++i) {
     GazeState& state = labels.states[first + i];
     if (state == GazeState::pursuit && !*settings.pursuit) state = GazeState::fixation;
-    if (doubts[i] == SignalDoubt::none) {
-      labels.any_judged = labels.any_judged || state != GazeState::lost;
-      continue;
-    }
+    if (in_hindsight[i] == SignalDoubt::none && state != GazeState::lost) labels.any_judged = true;
+    if (doubts[i] == SignalDoubt::none) continue;
     labels.unjudged_s[static_cast<std::size_t>(doubts[i])] += 1.0 / trace.rate_Hz;
     if (settings.detector == Detector::rules) continue;
     state = GazeState::unjudged;

@@ -26,7 +26,8 @@ struct EventLabels {
   std::vector<std::array<double, kGazeStates>> probabilities{};
   DoubtTimes unjudged_s{};
   std::vector<std::string> warnings{};  ///< why stretches are `unjudged`, a sentence each
-  bool any_judged = false;              ///< false: every sample is `unjudged` or `lost`
+  /// False: every sample is `unjudged` or `lost`. Online labels too are judged in hindsight here.
+  bool any_judged = false;
 };
 
 /// Where the rate changes, labelling begins anew (`rateStretchesOf`).

@@ -92,26 +92,28 @@ std::string packedModel(const EventModel& model) {
   json["rate_Hz"] = {model.rate_Hz.least, model.rate_Hz.greatest};
   json["noise_deg"] = {model.noise_deg.least, model.noise_deg.greatest};
   json["switch_s"] = {model.motion_switch_s, model.oscillation_switch_s, model.pursuit_switch_s};
+  std::vector<const BoostedTrees*> all;
   for (const ModelLevel& level : model.levels) {
+    json["levels"].push_back({{"ahead_s", level.ahead_s},
+                              {"motion", jsonOf(level.motion)},
+                              {"oscillation", jsonOf(level.oscillation)}});
+    all.insert(all.end(), {&level.motion, &level.oscillation});
+  }
+  for (const ModelMode* mode : {&model.online, &model.offline}) {
     auto knots = nlohmann::ordered_json::array();
-    for (const CalibrationKnot& knot : level.calibration) {
+    for (const CalibrationKnot& knot : mode->calibration) {
       knots.push_back({knot.stated, knot.right});
     }
-    json["levels"].push_back({{"ahead_s", level.ahead_s},
-                              {"calibration", knots},
-                              {"motion", jsonOf(level.motion)},
-                              {"oscillation", jsonOf(level.oscillation)},
-                              {"pursuit", jsonOf(level.pursuit)}});
+    json["modes"].push_back({{"pursuit", jsonOf(mode->pursuit)}, {"calibration", knots}});
+    all.push_back(&mode->pursuit);
   }
   std::string bytes =
       std::string(kMagic) + std::to_string(EventModel::kFormat) + '\n' + json.dump() + '\n';
-  for (const ModelLevel& level : model.levels) {
-    for (const BoostedTrees* trees : {&level.motion, &level.oscillation, &level.pursuit}) {
-      append(bytes, trees->priors);
-      append(bytes, trees->edges);
-      append(bytes, trees->nodes);
-      append(bytes, trees->leaves);
-    }
+  for (const BoostedTrees* trees : all) {
+    append(bytes, trees->priors);
+    append(bytes, trees->edges);
+    append(bytes, trees->nodes);
+    append(bytes, trees->leaves);
   }
   return bytes;
 }
@@ -155,16 +157,22 @@ EventModel unpackModel(std::string_view bytes, const std::string& name) {
     model.pursuit_switch_s = json.at("switch_s").at(2).get<double>();
     for (const auto& each : json.at("levels")) {
       ModelLevel level{.ahead_s = each.at("ahead_s").get<double>()};
-      for (const auto& knot : each.at("calibration")) {
-        level.calibration.push_back({knot.at(0).get<double>(), knot.at(1).get<double>()});
-      }
       level.motion = unpacker.trees(each.at("motion"), kGazeFeatures, 3);
       level.oscillation = unpacker.trees(each.at("oscillation"), kGazeFeatures, 2);
-      level.pursuit = unpacker.trees(each.at("pursuit"), kPursuitFeatures, 2);
       model.levels.push_back(std::move(level));
     }
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto& each = json.at("modes").at(i);
+      ModelMode& mode = i == 0 ? model.online : model.offline;
+      mode.pursuit = unpacker.trees(each.at("pursuit"), kPursuitFeatures, 2);
+      for (const auto& knot : each.at("calibration")) {
+        mode.calibration.push_back({knot.at(0).get<double>(), knot.at(1).get<double>()});
+      }
+    }
     unpacker.finish();
-    if (model.levels.size() < 2) throw unpacker.damaged("it has no trees");
+    if (model.levels.empty() || !(model.levels.back().ahead_s > 0.0)) {
+      throw unpacker.damaged("none of its trees look ahead");
+    }
     return model;
   } catch (const nlohmann::json::exception&) {
     throw unpacker.damaged("its header is not complete");

@@ -30,9 +30,13 @@ struct CalibrationKnot {
 
 /// The trees for one lookahead.
 struct ModelLevel {
-  double ahead_s = 0.0;                        ///< features look ahead so far
-  BoostedTrees motion{};                       ///< classes of `Motion`
-  BoostedTrees oscillation{};                  ///< of a moving eye: saccade, oscillation
+  double ahead_s = 0.0;        ///< features look ahead so far
+  BoostedTrees motion{};       ///< classes of `Motion`
+  BoostedTrees oscillation{};  ///< of a moving eye: saccade, oscillation
+};
+
+/// What differs between the online and the offline detector.
+struct ModelMode {
   BoostedTrees pursuit{};                      ///< of stable gaze: fixation, pursuit
   std::vector<CalibrationKnot> calibration{};  ///< ascending
 };
@@ -41,7 +45,7 @@ struct ModelLevel {
 enum class Motion { stable, moving, gone };
 
 struct EventModel {
-  static constexpr int kFormat = 1;  ///< version of features and file; another is refused
+  static constexpr int kFormat = 2;  ///< version of features and file; another is refused
 
   int revision = 0;  ///< counts the trainings that were published
   unsigned seed = 0;
@@ -50,8 +54,8 @@ struct EventModel {
   double motion_switch_s = 0.0;       ///< cost of a change of the motion, `viterbi.h`
   double oscillation_switch_s = 0.0;  ///< from saccade to oscillation and back
   double pursuit_switch_s = 0.0;      ///< from fixation to pursuit and back
-  std::vector<ModelLevel>
-      levels{};  ///< online by `ahead_s`, ascending; then the offline detector's
+  std::vector<ModelLevel> levels{};   ///< ascending by `ahead_s`; one looks ahead at least
+  ModelMode online{}, offline{};
 };
 
 /// A model file: a line "foci event model FORMAT", a line of JSON, and the trees.

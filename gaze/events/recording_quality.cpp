@@ -14,8 +14,13 @@ namespace {
 /// Standard deviation of the intervals that are no gaps, and the longest time without gaze.
 void measureTimes(const GazeTrace& trace, RecordingQuality& quality) {
   double count = 0.0, sum_s = 0.0, squares_s2 = 0.0, present = 0.0;
-  std::optional<double> last_s;
   const double nominal_s = 1.0 / trace.rate_Hz;
+  double gaze_until_s = trace.samples.empty() ? 0.0 : trace.samples.front().time_s;
+  const auto noteGap = [&](double now_s) {
+    const double gap_s = now_s - gaze_until_s;
+    if (gap_s > 0.5 * nominal_s) quality.longest_gap_s = std::max(quality.longest_gap_s, gap_s);
+    gaze_until_s = now_s + nominal_s;
+  };
   for (std::size_t i = 0; i < trace.samples.size(); ++i) {
     const GazeSample& sample = trace.samples[i];
     if (i > 0) {
@@ -28,9 +33,9 @@ void measureTimes(const GazeTrace& trace, RecordingQuality& quality) {
     }
     if (!sample.point_px) continue;
     present += 1.0;
-    if (last_s) quality.longest_gap_s = std::max(quality.longest_gap_s, sample.time_s - *last_s);
-    last_s = sample.time_s;
+    noteGap(sample.time_s);
   }
+  if (!trace.samples.empty()) noteGap(trace.samples.back().time_s + nominal_s);
   if (count > 0.0) {
     quality.jitter_s = std::sqrt(std::max(squares_s2 / count - std::pow(sum_s / count, 2), 0.0));
   }

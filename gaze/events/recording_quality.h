@@ -22,7 +22,7 @@ struct RecordingQuality {
   double rate_Hz = 0.0;
   double jitter_s = 0.0;       ///< standard deviation of the intervals without gaps
   double lost = 0.0;           ///< share of the samples without gaze
-  double longest_gap_s = 0.0;  ///< between two samples with gaze
+  double longest_gap_s = 0.0;  ///< without gaze
   /// Root mean square of the angle from sample to sample within fixations. Absent without any.
   std::optional<double> rms_s2s_deg{};
   /// Standard deviation of the samples within fixations, both axes; the median fixation.

@@ -11,11 +11,12 @@
 namespace foci {
 namespace {
 
-constexpr double kOnlineNoise_s = 3.0;   // the noise is that of so long a time before
-constexpr double kOfflineNoise_s = 6.0;  // and of half of it on both sides
-// Offline, a sample's motion is the end of the most likely path so long after it. Of 0, 2 and 5 ms
-// and the whole recording, chosen on sets left out.
-constexpr double kOfflineLag_s = 0.002;
+constexpr double kNoise_s = 3.0;  // the noise is that of so long a time before
+// A change of the motion costs evidence of 2 ms. A sample at a lower rate than this holds more of
+// it, so that a path through the past hardly smooths, and the whole recording helps. At higher
+// rates the online detector's path agrees with coders on every set left out, and the path through
+// the whole recording does not: it ends oscillations earlier than some coders do.
+constexpr double kWholePathBelow_Hz = 400.0;
 constexpr double kPriorPursuit = 0.3;         // where gaze is stable for too few samples
 constexpr double kMinOscillation_Hz = 100.0;  // below, an oscillation has two samples at most
 
@@ -61,8 +62,8 @@ SampleLabel labelOf(GazeState state, GazeState gone, const std::array<double, 3>
 
 /// Lookahead of the features: the largest level within the delay.
 const ModelLevel& levelFor(const EventModel& model, double delay_s) {
-  std::size_t best = 0;  // the last level is the offline detector's
-  for (std::size_t i = 0; i + 1 < model.levels.size(); ++i) {
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < model.levels.size(); ++i) {
     if (model.levels[i].ahead_s <= delay_s + 1e-6) best = i;
   }
   return model.levels[best];
@@ -83,9 +84,10 @@ TrainedEvents::TrainedEvents(double rate_Hz, const EventSettings& settings, cons
     : rate_Hz_(rate_Hz),
       settings_(settings),
       level_(&levelFor(model, settings.delay_s)),
+      mode_(&model.online),
       delay_(samplesWithin(settings.delay_s, rate_Hz)),
       feature_delay_(std::min(samplesWithin(level_->ahead_s, rate_Hz), delay_)),
-      features_(rate_Hz, kOnlineNoise_s),
+      features_(rate_Hz, kNoise_s),
       motion_path_(model.motion_switch_s),
       oscillation_path_(model.oscillation_switch_s),
       pursuit_path_(model.pursuit_switch_s) {}
@@ -177,7 +179,7 @@ SampleLabel TrainedEvents::settle() {
   }
   motion_ = motion;
   const SampleLabel label =
-      labelOf(state, gone, now.motion, now.oscillation, pursuit, level_->calibration);
+      labelOf(state, gone, now.motion, now.oscillation, pursuit, mode_->calibration);
   pending_.pop_front();
   --judged_;
   ++labelled_;
@@ -201,7 +203,7 @@ double TrainedEvents::pursuitOf(const Pending& now) {
   }
   const PursuitFeatureVector features = pursuitFeatures(context);
   if (take_pursuit_) take_pursuit_(labelled_, features);
-  return probabilityOfSecond(level_->pursuit, features);
+  return probabilityOfSecond(mode_->pursuit, features);
 }
 
 namespace {
@@ -211,11 +213,7 @@ class WholeRecording {
  public:
   WholeRecording(const GazeTrace& trace, const Screen& screen, const EventSettings& settings,
                  const EventModel& model)
-      : trace_(trace),
-        settings_(settings),
-        model_(model),
-        level_(model.levels.back()),
-        count_(trace.samples.size()) {
+      : trace_(trace), settings_(settings), model_(model), count_(trace.samples.size()) {
     for (const GazeSample& sample : trace.samples) {
       sights_.push_back({sample.time_s, sightInWorld(sample, screen)});
     }
@@ -232,12 +230,15 @@ class WholeRecording {
       }
       if (motion_[i] == indexOf(Motion::gone)) states[i] = gone[i];
     }
-    labelMoving(states);
+    ViterbiPath<2> path(model_.oscillation_switch_s);
+    path.restartIn(0);
+    split(Motion::moving, {}, path, oscillation_, {GazeState::saccade, GazeState::oscillation},
+          states);
     if (settings_.pursuit.value_or(true)) labelPursuit(states, pursuit, take_pursuit);
     std::vector<SampleLabel> labels;
     for (std::size_t i = 0; i < count_; ++i) {
       labels.push_back(labelOf(states[i], gone[i], probabilities_[i], oscillation_[i], pursuit[i],
-                               level_.calibration));
+                               model_.offline.calibration));
     }
     return labels;
   }
@@ -292,34 +293,36 @@ class WholeRecording {
 
  private:
   void judgeMotion(const Screen& screen) {
-    GazeFeatures features(trace_.rate_Hz, kOfflineNoise_s);
-    const ModelLevel& furthest = model_.levels[model_.levels.size() - 2];  // of those online
-    std::size_t next = 0;
-    const auto judgeNext = [&] {
-      // The mean of two lookaheads agrees better with coders than either.
-      std::array<double, 3> motion{}, further{};
-      const GazeFeatureVector values =
-          features.of(next, offlineAhead_s(level_.ahead_s, trace_.rate_Hz));
-      level_.motion.probabilities(values, motion);
-      furthest.motion.probabilities(
-          features.of(next, offlineAhead_s(furthest.ahead_s, trace_.rate_Hz)), further);
-      for (std::size_t k = 0; k < 3; ++k) motion[k] = 0.5 * (motion[k] + further[k]);
-      probabilities_.push_back(motion);
-      noise_deg_.push_back(features.noise_deg());
-      oscillation_.push_back(trace_.rate_Hz >= kMinOscillation_Hz && motion[1] > 0.05
-                                 ? probabilityOfSecond(level_.oscillation, values)
-                                 : 0.0);
-      ++next;
-    };
-    for (std::size_t i = 0; i < count_; ++i) {
-      const auto& point = trace_.samples[i].point_px;
-      features.push(sights_[i], point ? std::optional(lineOfSight(screen, *point)) : std::nullopt);
-      while (next < i && sights_[i].time_s - sights_[next].time_s >= 0.5 * kOfflineNoise_s) {
-        judgeNext();
+    std::vector<const ModelLevel*> levels;
+    for (const ModelLevel& level : model_.levels) {
+      const bool needed = levels.empty() || trace_.rate_Hz < kWholePathBelow_Hz;
+      if (level.ahead_s > 0.0 && needed) levels.push_back(&level);
+    }
+    GazeFeatures features(trace_.rate_Hz, kNoise_s);
+    const std::size_t ahead = samplesWithin(levels.back()->ahead_s, trace_.rate_Hz);
+    for (std::size_t pushed = 0, next = 0; next < count_; ++next) {
+      for (; pushed < std::min(next + ahead + 1, count_); ++pushed) {
+        const auto& point = trace_.samples[pushed].point_px;
+        features.push(sights_[pushed],
+                      point ? std::optional(lineOfSight(screen, *point)) : std::nullopt);
       }
+      std::array<double, 3> motion{};
+      double oscillation = 0.0;
+      for (const ModelLevel* level : levels) {
+        const GazeFeatureVector values = features.of(next, level->ahead_s);
+        std::array<double, 3> each{};
+        level->motion.probabilities(values, each);
+        const double share = 1.0 / static_cast<double>(levels.size());
+        for (std::size_t k = 0; k < 3; ++k) motion[k] += share * each[k];
+        if (trace_.rate_Hz >= kMinOscillation_Hz && each[1] > 0.05) {
+          oscillation += share * probabilityOfSecond(level->oscillation, values);
+        }
+      }
+      probabilities_.push_back(motion);
+      oscillation_.push_back(oscillation);
+      noise_deg_.push_back(features.noise_deg());
       features.forgetBefore(next);
     }
-    while (next < count_) judgeNext();
 
     missing_s_.assign(count_, 0.0);
     for (std::size_t i = 0; i < count_;) {
@@ -353,34 +356,32 @@ class WholeRecording {
 
   void findPath() {
     ViterbiPath<3> path(model_.motion_switch_s);
-    std::vector<ViterbiPath<3>::From> from;
-    const std::size_t lag = samplesWithin(kOfflineLag_s, trace_.rate_Hz);
-    for (std::size_t i = 0; i < count_ + lag; ++i) {
-      if (i < count_) from.push_back(path.push(probabilities_[i], step_s(i)));
-      if (i < lag) continue;
-      std::size_t state = path.bestState();
-      for (std::size_t j = from.size() - 1; j > i - lag; --j) state = from[j][state];
-      motion_.push_back(state);
+    std::vector<Evidence<3>> evidence;
+    for (std::size_t i = 0; i < count_; ++i) evidence.push_back({probabilities_[i], step_s(i)});
+    motion_ = mostLikelyStates(path, evidence);
+    if (trace_.rate_Hz < kWholePathBelow_Hz) return;
+    for (std::size_t i = 0; i < count_; ++i) {
+      path.push(probabilities_[i], step_s(i));
+      motion_[i] = path.bestState();
     }
   }
 
-  void labelMoving(std::vector<GazeState>& states) const {
-    for (std::size_t i = 0; i < count_;) {
-      if (motion_[i] != indexOf(Motion::moving)) {
-        ++i;
-        continue;
-      }
-      const std::size_t first = i;
-      ViterbiPath<2> path(model_.oscillation_switch_s);
-      path.restartIn(0);
-      std::vector<ViterbiPath<2>::From> from;
-      for (; i < count_ && motion_[i] == indexOf(Motion::moving); ++i) {
-        from.push_back(path.push({1.0 - oscillation_[i], oscillation_[i]}, step_s(i)));
-      }
-      std::size_t state = path.bestState();
-      for (std::size_t j = i; j-- > first;) {
-        states[j] = state == 1 ? GazeState::oscillation : GazeState::saccade;
-        state = from[j - first][state];
+  /// Labels the samples of a motion with two states, by the most likely path through each run.
+  /// @param across  a motion that does not end a run
+  void split(Motion motion, std::optional<Motion> across, const ViterbiPath<2>& path,
+             const std::vector<double>& second, const std::array<GazeState, 2>& names,
+             std::vector<GazeState>& states) const {
+    std::vector<std::size_t> run;
+    std::vector<Evidence<2>> evidence;
+    for (std::size_t i = 0; i <= count_; ++i) {
+      if (i < count_ && motion_[i] == indexOf(motion)) {
+        run.push_back(i);
+        evidence.push_back({{1.0 - second[i], second[i]}, step_s(i)});
+      } else if (i == count_ || !across || motion_[i] != indexOf(*across)) {
+        const auto found = mostLikelyStates(path, evidence);
+        for (std::size_t k = 0; k < run.size(); ++k) states[run[k]] = names[found[k]];
+        run.clear();
+        evidence.clear();
       }
     }
   }
@@ -392,32 +393,15 @@ class WholeRecording {
     }
     forStableGaze([&](std::size_t i, const PursuitFeatureVector& features) {
       if (take_pursuit) take_pursuit(i, features);
-      pursuit[i] = probabilityOfSecond(level_.pursuit, features);
+      pursuit[i] = probabilityOfSecond(model_.offline.pursuit, features);
     });
-    ViterbiPath<2> path(model_.pursuit_switch_s);
-    std::vector<ViterbiPath<2>::From> from(count_);
-    for (std::size_t i = 0; i < count_; ++i) {
-      from[i] = {0, 1};
-      if (motion_[i] == indexOf(Motion::gone)) {
-        // What comes is not bound to what was: both states lead back to the likelier one.
-        const auto best = static_cast<std::uint8_t>(path.bestState());
-        from[i] = {best, best};
-        path.restart();
-      } else if (motion_[i] == indexOf(Motion::stable)) {
-        from[i] = path.push({1.0 - pursuit[i], pursuit[i]}, step_s(i));
-      }
-    }
-    std::size_t state = path.bestState();
-    for (std::size_t i = count_; i-- > 0;) {
-      if (motion_[i] == indexOf(Motion::stable) && state == 1) states[i] = GazeState::pursuit;
-      state = from[i][state];
-    }
+    split(Motion::stable, Motion::moving, ViterbiPath<2>(model_.pursuit_switch_s), pursuit,
+          {GazeState::fixation, GazeState::pursuit}, states);
   }
 
   const GazeTrace& trace_;
   const EventSettings& settings_;
   const EventModel& model_;
-  const ModelLevel& level_;
   std::size_t count_;
   std::vector<TimedSight> sights_{};
   std::vector<std::array<double, 3>> probabilities_{};
@@ -426,11 +410,6 @@ class WholeRecording {
 };
 
 }  // namespace
-
-double offlineAhead_s(double ahead_s, double rate_Hz) {
-  constexpr double kMinAhead = 3.0;  // samples
-  return std::min(std::max(ahead_s, kMinAhead / rate_Hz), kMaxAhead_s);
-}
 
 std::vector<SampleLabel> labelTrained(const GazeTrace& trace, const Screen& screen,
                                       const EventSettings& settings, const EventModel& model,

@@ -68,6 +68,7 @@ class TrainedEvents {
   double rate_Hz_;
   EventSettings settings_;
   const ModelLevel* level_;  // of the model
+  const ModelMode* mode_;
   std::size_t delay_ = 0, feature_delay_ = 0;
   GazeFeatures features_;
   std::deque<Pending> pending_{};  // without a label; the front is the oldest
@@ -81,10 +82,6 @@ class TrainedEvents {
   std::deque<TimedSight> near_{};  // of `stable_`
   TakePursuit take_pursuit_{};
 };
-
-/// How far the features of the offline detector look ahead: three samples or more. With all that
-/// they could see, they learn the habits of the coders, and sets left out agree less.
-double offlineAhead_s(double ahead_s, double rate_Hz);
 
 /// The labels of a complete recording.
 /// @param take  may be empty

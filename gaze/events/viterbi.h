@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace foci {
 
@@ -56,5 +57,29 @@ class ViterbiPath {
   double switch_s_;
   std::array<double, K> scores_{};
 };
+
+/// What a sample tells `ViterbiPath::push`.
+template <std::size_t K>
+struct Evidence {
+  std::array<double, K> probabilities{};
+  double step_s = 0.0;
+};
+
+/// The states of the most likely path through all samples.
+template <std::size_t K>
+std::vector<std::size_t> mostLikelyStates(ViterbiPath<K> path,
+                                          const std::vector<Evidence<K>>& samples) {
+  std::vector<typename ViterbiPath<K>::From> from;
+  from.reserve(samples.size());
+  for (const Evidence<K>& each : samples)
+    from.push_back(path.push(each.probabilities, each.step_s));
+  std::vector<std::size_t> states(samples.size());
+  std::size_t state = path.bestState();
+  for (std::size_t i = samples.size(); i-- > 0;) {
+    states[i] = state;
+    state = from[i][state];
+  }
+  return states;
+}
 
 }  // namespace foci

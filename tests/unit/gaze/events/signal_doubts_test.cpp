@@ -39,9 +39,7 @@ void expectUnjudged(const GazeTrace& trace, const std::string& reason) {
       EXPECT_GT(share, online ? 0.8 : 0.999) << reason << ' ' << nameOf(detector);
       ASSERT_EQ(labels.warnings.size(), 1u) << reason;
       EXPECT_NE(labels.warnings[0].find(reason), std::string::npos) << labels.warnings[0];
-      if (!online) {
-        EXPECT_FALSE(labels.any_judged);
-      }
+      EXPECT_FALSE(labels.any_judged) << reason;
     }
   }
 }
@@ -137,11 +135,23 @@ TEST(RecordingQuality, IsThatOfTheSimulatedTracker) {
   EXPECT_NEAR(*quality.rms_s2s_deg, 0.4, 0.4 * kStatistical);  // both samples, both axes
   EXPECT_NEAR(*quality.sd_deg, 0.2 * std::sqrt(2.0), 0.1);     // and the drift
   EXPECT_NEAR(quality.lost, 200.0 / static_cast<double>(trace.samples.size()), 1e-12);
-  EXPECT_NEAR(quality.longest_gap_s, 0.402, 1e-9);
+  EXPECT_NEAR(quality.longest_gap_s, 0.4, 1e-9);
   EXPECT_LT(quality.jitter_s, 1e-9);
   EXPECT_EQ(quality.unjudged, 0.0);
   ASSERT_TRUE(quality.main_sequence);
   EXPECT_GT(quality.main_sequence->saccades, 10);
+}
+
+TEST(RecordingQuality, CountsLossAtBothEndsAsGaps) {
+  GazeTrace trace = gazeAt(500.0);
+  const auto longest_s = [&] { return qualityOf(trace, kScreen, {}, {}).longest_gap_s; };
+  EXPECT_EQ(longest_s(), 0.0);
+  for (std::size_t i = 0; i < 100; ++i) trace.samples[i].point_px.reset();
+  EXPECT_NEAR(longest_s(), 0.2, 1e-9);
+  for (std::size_t i = trace.samples.size() - 150; i < trace.samples.size(); ++i) {
+    trace.samples[i].point_px.reset();
+  }
+  EXPECT_NEAR(longest_s(), 0.3, 1e-9);
 }
 
 TEST(RecordingQuality, HasNoStepsAcrossAPause) {
