@@ -112,9 +112,7 @@ py::dict qualityDict(const GazeTrace& trace, const EventOptions& options) {
     const EventLabels labels = labelEvents(trace, *trace.screen, options.settings, options.online);
     quality = qualityOf(trace, *trace.screen, labels.states,
                         eventsOf(labels, trace, *trace.screen, options.settings));
-    warnings = labels.warnings;
-    const auto of_range = rangeWarnings(quality, options.settings);
-    warnings.insert(warnings.end(), of_range.begin(), of_range.end());
+    warnings = eventWarnings(trace, labels, quality, options.settings);
   }
   py::dict dict;
   dict["rate_Hz"] = quality.rate_Hz;

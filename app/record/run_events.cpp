@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "app/record/quality_json.h"
 #include "app/session/session.h"
 
 namespace foci {

@@ -1,5 +1,6 @@
 #include "gaze/events/event_model.h"
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -79,6 +80,17 @@ class Unpacker {
 };
 
 }  // namespace
+
+double calibrated(double stated, const std::vector<CalibrationKnot>& knots) {
+  if (knots.empty()) return stated;
+  const auto after = std::find_if(knots.begin(), knots.end(), [&](const CalibrationKnot& knot) {
+    return knot.stated >= stated;
+  });
+  if (after == knots.begin()) return after->right;
+  if (after == knots.end()) return knots.back().right;
+  const CalibrationKnot &a = *(after - 1), &b = *after;
+  return a.right + (b.right - a.right) * (stated - a.stated) / (b.stated - a.stated);
+}
 
 std::string packedModel(const EventModel& model) {
   nlohmann::ordered_json json = {{"revision", model.revision}, {"seed", model.seed}};

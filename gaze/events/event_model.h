@@ -28,6 +28,9 @@ struct CalibrationKnot {
   double stated = 0.0, right = 0.0;
 };
 
+/// The curve at a probability, straight between its points. Without points, the probability.
+double calibrated(double stated, const std::vector<CalibrationKnot>& knots);
+
 /// The trees for one lookahead.
 struct ModelLevel {
   double ahead_s = 0.0;        ///< features look ahead so far

@@ -146,4 +146,23 @@ std::vector<std::string> rangeWarnings(const RecordingQuality& quality,
   return warnings;
 }
 
+std::vector<std::string> eventWarnings(const GazeTrace& trace, const EventLabels& labels,
+                                       const RecordingQuality& quality,
+                                       const EventSettings& settings) {
+  std::vector<std::string> warnings = labels.warnings;
+  const auto of_range = rangeWarnings(quality, settings);
+  warnings.insert(warnings.end(), of_range.begin(), of_range.end());
+  const bool headless =
+      trace.field && std::none_of(trace.samples.begin(), trace.samples.end(),
+                                  [](const GazeSample& sample) { return sample.head; });
+  if (headless) {
+    warnings.push_back(
+        judgesPursuit(trace, settings)
+            ? "events: there are no head poses, so turns of the head count as pursuit"
+            : "events: there are no head poses, and turns of the head look like "
+              "pursuit: pursuit counts as fixation unless gaze.pursuit = true");
+  }
+  return warnings;
+}
+
 }  // namespace foci

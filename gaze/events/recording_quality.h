@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gaze/events/event_settings.h"
-#include "gaze/events/gaze_events.h"
+#include "gaze/events/event_labels.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
@@ -38,6 +37,12 @@ RecordingQuality qualityOf(const GazeTrace& trace, const Screen& screen,
 
 /// What lies outside of the range of the training data; nothing for detectors without training.
 std::vector<std::string> rangeWarnings(const RecordingQuality& quality,
+                                       const EventSettings& settings);
+
+/// Why stretches are `unjudged`, what lies outside of the training's range, and that turns of the
+/// head look like pursuit. A sentence each.
+std::vector<std::string> eventWarnings(const GazeTrace& trace, const EventLabels& labels,
+                                       const RecordingQuality& quality,
                                        const EventSettings& settings);
 
 }  // namespace foci

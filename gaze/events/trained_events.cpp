@@ -28,18 +28,6 @@ double probabilityOfSecond(const BoostedTrees& trees, std::span<const float> fea
   return both[1];
 }
 
-/// The share of labels with this probability that are right.
-double calibrated(double stated, const std::vector<CalibrationKnot>& knots) {
-  if (knots.empty()) return stated;
-  const auto after = std::find_if(knots.begin(), knots.end(), [&](const CalibrationKnot& knot) {
-    return knot.stated >= stated;
-  });
-  if (after == knots.begin()) return after->right;
-  if (after == knots.end()) return knots.back().right;
-  const CalibrationKnot &a = *(after - 1), &b = *after;
-  return a.right + (b.right - a.right) * (stated - a.stated) / (b.stated - a.stated);
-}
-
 /// A label with the probabilities of all states.
 /// @param gone  of blink and lost, the one that applies here
 SampleLabel labelOf(GazeState state, GazeState gone, const std::array<double, 3>& motion,

@@ -365,14 +365,20 @@ struct Calibration {
     bin.right += right;
   }
 
-  /// With equal weight for each set, and never falling (pool adjacent violators).
-  std::vector<CalibrationKnot> knots() const {
+  static double countOf(const std::array<Bin, kBins>& bins) {
+    double all = 0.0;
+    for (const Bin& each : bins) all += each.count;
+    return all;
+  }
+
+  /// With equal weight for each set but one, and never falling (pool adjacent violators).
+  std::vector<CalibrationKnot> knots(const std::string& without = {}) const {
     std::vector<Bin> pooled;
     for (std::size_t b = 0; b < kBins; ++b) {
       Bin bin;
       for (const auto& [set, bins] : sets) {
-        double all = 0.0;
-        for (const Bin& each : bins) all += each.count;
+        if (set == without) continue;
+        const double all = countOf(bins);
         bin.count += bins[b].count / all;
         bin.stated += bins[b].stated / all;
         bin.right += bins[b].right / all;
@@ -392,6 +398,28 @@ struct Calibration {
     std::vector<CalibrationKnot> result;
     for (const Bin& bin : pooled) result.push_back({bin.stated / bin.count, bin.right / bin.count});
     return result;
+  }
+
+  /// How often labels are right, by the probability that the curve of the other sets gives them.
+  nlohmann::ordered_json leftOut() const {
+    std::array<Bin, kBins> all{};
+    for (const auto& [set, bins] : sets) {
+      const auto curve = knots(set);
+      for (const Bin& bin : bins) {
+        if (bin.count == 0.0) continue;
+        const double stated = calibrated(bin.stated / bin.count, curve);
+        const double share = bin.count / countOf(bins);
+        Bin& into = all[std::min(static_cast<std::size_t>(stated * kBins), kBins - 1)];
+        into.count += share;
+        into.stated += share * stated;
+        into.right += bin.right / countOf(bins);
+      }
+    }
+    auto curve = nlohmann::ordered_json::array();
+    for (const Bin& bin : all) {
+      if (bin.count > 0.0) curve.push_back({bin.stated / bin.count, bin.right / bin.count});
+    }
+    return curve;
   }
 };
 
@@ -535,9 +563,7 @@ int run(const std::string& folder, const std::string& out, const std::string& js
             {"coders", jsonOf(coders)}};
     for (const bool offline : {false, true}) {
       knots[offline] = sets.calibration[offline].knots();
-      for (const CalibrationKnot& knot : knots[offline]) {
-        json["calibration"][offline ? "offline" : "online"].push_back({knot.stated, knot.right});
-      }
+      json["calibration"][offline ? "offline" : "online"] = sets.calibration[offline].leftOut();
     }
     std::printf("%s\n", json.dump(1).c_str());
   }
