@@ -146,7 +146,7 @@ def trained_events(args):
                     for kind in kinds])
 
     def right(name, stated):
-        """The curve at a probability, straight between its points, as foci reads it."""
+        """The curve at a probability, straight between its points."""
         curve = json_["calibration"][name]
         for (x0, y0), (x1, y1) in zip(curve, curve[1:]):
             if x0 <= stated <= x1:
@@ -159,9 +159,10 @@ def trained_events(args):
             "kappa of stable gaze offline, online, and offline at 60 and 120 Hz, mean over the coders; *coders* is their "
             "agreement with each other.\n\n" +
             kappas + "\n\n**F1 of events** (fixations, saccades, pursuit): two events agree if they "
-            "share more than half of their union.\n\n" + scores + "\n\n**Confidence**: the probability that the trees "
-            "state for a label, and the share of such labels that are right on sets left out, with equal weight for each "
-            "set. foci states this share.\n\n" + table(["stated by the trees", "right, offline", "right, online"], curve))
+            "share more than half of their union.\n\n" + scores + "\n\n**Confidence**: the probability of a label, and the "
+            "share of such labels that are right on sets left out, with equal weight for each set. The curve from the trees' "
+            "output to the probability is that of the other sets.\n\n" +
+            table(["probability", "right, offline", "right, online"], curve))
 
 
 def event_rules(args):
