@@ -485,10 +485,10 @@ std::optional<double> meanOf(const std::map<std::string, LabelAgreement>& coders
 nlohmann::ordered_json jsonOf(const Validation& validation) {
   nlohmann::ordered_json json;
   for (const auto& [kind, columns] : validation.table) {
-    for (const auto& [column, coders] : columns) {
-      auto& cell = json[kind][column];
+    for (const auto& column : columns) {
+      auto& cell = json[kind][column.first];
       const auto put = [&](const std::string& key, const auto& value) {
-        const auto mean = meanOf(coders, value);
+        const auto mean = meanOf(column.second, value);
         if (mean) cell[key] = std::round(*mean * 1e3) / 1e3;
       };
       put("stable", [](const LabelAgreement& a) { return a.stable.value(); });
