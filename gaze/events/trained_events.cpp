@@ -12,11 +12,10 @@ namespace foci {
 namespace {
 
 constexpr double kNoise_s = 3.0;  // the noise is that of so long a time before
-// A change of the motion costs evidence of 2 ms. A sample at a lower rate than this holds more of
-// it, so that a path through the past hardly smooths, and the whole recording helps. At higher
-// rates the online detector's path agrees with coders on every set left out, and the path through
-// the whole recording does not: it ends oscillations earlier than some coders do.
-constexpr double kWholePathBelow_Hz = 400.0;
+// Offline, slower trackers are judged in hindsight too: the path so far misses a saccade of one
+// sample. At higher rates the path through the whole recording ends oscillations earlier than some
+// coders do, so that pictures left out agree less.
+constexpr double kHindsightBelow_Hz = 150.0;
 constexpr double kPriorPursuit = 0.3;         // where gaze is stable for too few samples
 constexpr double kMinOscillation_Hz = 100.0;  // below, an oscillation has two samples at most
 
@@ -283,7 +282,7 @@ class WholeRecording {
   void judgeMotion(const Screen& screen) {
     std::vector<const ModelLevel*> levels;
     for (const ModelLevel& level : model_.levels) {
-      const bool needed = levels.empty() || trace_.rate_Hz < kWholePathBelow_Hz;
+      const bool needed = levels.empty() || trace_.rate_Hz < kHindsightBelow_Hz;
       if (level.ahead_s > 0.0 && needed) levels.push_back(&level);
     }
     GazeFeatures features(trace_.rate_Hz, kNoise_s);
@@ -342,15 +341,21 @@ class WholeRecording {
                : std::min(sights_[i].time_s - sights_[i - 1].time_s, longestStep_s(trace_.rate_Hz));
   }
 
+  /// The end of the most likely path up to each sample. Below `kHindsightBelow_Hz`, what moves on
+  /// the path through the whole recording moves too.
   void findPath() {
     ViterbiPath<3> path(model_.motion_switch_s);
     std::vector<Evidence<3>> evidence;
-    for (std::size_t i = 0; i < count_; ++i) evidence.push_back({probabilities_[i], step_s(i)});
-    motion_ = mostLikelyStates(path, evidence);
-    if (trace_.rate_Hz < kWholePathBelow_Hz) return;
     for (std::size_t i = 0; i < count_; ++i) {
+      evidence.push_back({probabilities_[i], step_s(i)});
       path.push(probabilities_[i], step_s(i));
-      motion_[i] = path.bestState();
+      motion_.push_back(path.bestState());
+    }
+    if (trace_.rate_Hz >= kHindsightBelow_Hz) return;
+    const auto whole = mostLikelyStates(ViterbiPath<3>(model_.motion_switch_s), evidence);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const auto stable = indexOf(Motion::stable), moving = indexOf(Motion::moving);
+      if (motion_[i] == stable && whole[i] == moving) motion_[i] = moving;
     }
   }
 
