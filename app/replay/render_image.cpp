@@ -1,5 +1,6 @@
 #include "app/replay/render_image.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "app/platform/output_files.h"
@@ -52,6 +53,14 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   const glm::dvec2 middle_px = 0.5 * glm::dvec2(settings.screen.size_px);
   std::optional<glm::dvec2> gaze_px = request.gaze_px;
   if (!gaze_px && !settings.focus.fixed_D) gaze_px = session.middleSurface_px(0.0);
+  // Sparse points and faint Gaussians fill the cone nowhere: less of a wider one is enough.
+  constexpr double kLeastCoverage = 0.002, kWide_deg = 2.0;
+  while (!gaze_px && !settings.focus.fixed_D && settings.focus.coverage > kLeastCoverage) {
+    settings.focus.coverage *= 0.25;
+    settings.focus.cone_half_angle_deg = std::max(settings.focus.cone_half_angle_deg, kWide_deg);
+    session.changeSettings(settings);
+    gaze_px = session.middleSurface_px(0.0);
+  }
   if (!request.gaze_px && gaze_px && *gaze_px != middle_px) {
     say("nothing is in the middle: the eye looks at the nearest surface around it, at " +
         decimal(gaze_px->x, 0) + "," + decimal(gaze_px->y, 0) + " px");

@@ -1,4 +1,4 @@
-#include "render/scene/io/colmap.h"
+#include "render/scene/io/point_formats.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,8 +74,7 @@ PointCloud readColmap(const std::filesystem::path& path) {
     };
     points.color.emplace_back(light(0), light(1), light(2));
   }
-  if (points.size() == 0) throw InputError(file.name(), "has no points");
-  positions.finish();
+  positions.finish(file.name());
   return points;
 }
 

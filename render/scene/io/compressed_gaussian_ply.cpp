@@ -65,17 +65,11 @@ glm::vec3 unit111011(std::uint32_t value) {
 }
 
 glm::vec4 rotationOf(std::uint32_t value) {
-  std::array<float, 4> wxyz{};
-  const std::size_t largest = value >> 30u;
-  float sum = 0.0f;
-  unsigned shift = 20;
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (i == largest) continue;
-    wxyz[i] = (unit(value >> shift, 10) - 0.5f) * std::sqrt(2.0f);
-    sum += wxyz[i] * wxyz[i];
-    shift -= 10;
+  std::array<float, 3> three{};
+  for (unsigned i = 0; i < 3; ++i) {
+    three[i] = (unit(value >> (20 - 10 * i), 10) - 0.5f) * std::sqrt(2.0f);
   }
-  wxyz[largest] = std::sqrt(std::max(0.0f, 1.0f - sum));
+  const auto wxyz = quaternionOf(three, value >> 30u);
   return {wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
 }
 
@@ -199,7 +193,7 @@ GaussianFile readCompressedGaussianPly(const std::filesystem::path& path) {
     }
     collector.append(unpacked(packed[i], chunks[i / kChunk]), harmonics);
   }
-  collector.finish(input.name());
+  finishGaussians(file, input.name());
   return file;
 }
 

@@ -21,11 +21,6 @@ bool isFinite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-bool isNear(const glm::vec3& p) {  // false for NaN
-  return std::abs(p.x) <= kFarthest_m && std::abs(p.y) <= kFarthest_m &&
-         std::abs(p.z) <= kFarthest_m;
-}
-
 /// Trained Gaussians are about as large as the distance to their neighbours. Chosen by hand.
 constexpr float kFarTooLarge = 8.0f;
 
@@ -70,8 +65,8 @@ GaussianCollector::GaussianCollector(GaussianFile& file, std::size_t count, int 
 void GaussianCollector::append(const RawGaussian& raw, std::span<const float> harmonics) {
   GaussianCloud& cloud = file_.cloud;
   assert(harmonics.size() == cloud.harmonicsPerGaussian());
-  const bool sound = isNear(raw.position) && isFinite(raw.sigma) && std::isfinite(raw.opacity) &&
-                     isFinite(raw.color) &&
+  const bool sound = isNearEnough(raw.position) && isFinite(raw.sigma) &&
+                     std::isfinite(raw.opacity) && isFinite(raw.color) &&
                      std::all_of(harmonics.begin(), harmonics.end(),
                                  [](float value) { return std::isfinite(value); });
   if (!sound) {
@@ -96,13 +91,9 @@ void GaussianCollector::append(const RawGaussian& raw, std::span<const float> ha
   }
 }
 
-void GaussianCollector::finish(const std::string& path, bool fine) const {
-  finishGaussians(file_, path, fine);
-}
-
-void finishGaussians(GaussianFile& file, const std::string& path, bool fine) {
+void finishGaussians(GaussianFile& file, const std::string& path, const KnownGaussians& known) {
   if (!file.cloud.empty()) {
-    if (!fine && file.cloud.size() > 1 && losesDetail(file.cloud.position_m)) {
+    if (!known.fine && file.cloud.size() > 1 && losesDetail(file.cloud.position_m)) {
       file.remarks.emplace_back(
           "the Gaussians are so far from the origin that floats lose their detail: save them "
           "nearer to the origin, or as a PLY with coordinates in doubles");
@@ -113,7 +104,8 @@ void finishGaussians(GaussianFile& file, const std::string& path, bool fine) {
           "the opacity of all Gaussians is below 1/255, so none is seen: in a PLY, opacity is a "
           "logit");
     }
-    if (const float size = sizeInSpacings(file.cloud); size > kFarTooLarge) {
+    const float size = known.knows_scales ? 0.0f : sizeInSpacings(file.cloud);
+    if (size > kFarTooLarge) {
       file.remarks.push_back("the Gaussians are " + significant(double{size}, 2) +
                              " times as large as the distance to their neighbours: are their "
                              "scales stored as the format expects?");
@@ -124,6 +116,18 @@ void finishGaussians(GaussianFile& file, const std::string& path, bool fine) {
   throw InputError(path, file.dropped == 1 ? "its only Gaussian has a value that is not finite"
                                            : "none of its " + std::to_string(file.dropped) +
                                                  " Gaussians has finite values");
+}
+
+std::array<float, 4> quaternionOf(const std::array<float, 3>& three, std::size_t left_out) {
+  std::array<float, 4> all{};
+  float sum = 0.0f;
+  for (std::size_t k = 0, at = 0; k < 4; ++k) {
+    if (k == left_out) continue;
+    all[k] = three[at++];
+    sum += all[k] * all[k];
+  }
+  all[left_out] = std::sqrt(std::max(1.0f - sum, 0.0f));
+  return all;
 }
 
 float sigmoid(float x) { return 1.0f / (1.0f + std::exp(-x)); }

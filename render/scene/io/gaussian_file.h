@@ -2,6 +2,7 @@
 // gaussian_formats.h for the formats.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -55,18 +56,22 @@ class GaussianCollector {
   ///                   many as the degree has
   void append(const RawGaussian& raw, std::span<const float> harmonics);
 
-  /// As `finishGaussians`.
-  void finish(const std::string& path, bool fine = false) const;
-
  private:
   GaussianFile& file_;
 };
 
+struct KnownGaussians {
+  bool fine = false;          ///< positions were doubles, taken relative to an origin nearby
+  bool knows_scales = false;  ///< a remark names what is odd in the scales
+};
+
 /// Adds remarks: on positions whose detail floats lose, on Gaussians that nobody sees, and on
 /// Gaussians that are far larger than the distance to their neighbours.
-/// @param fine  positions were doubles, taken relative to an origin nearby
 /// @throws InputError if no Gaussian is left
-void finishGaussians(GaussianFile& file, const std::string& path, bool fine = false);
+void finishGaussians(GaussianFile& file, const std::string& path, const KnownGaussians& known = {});
+
+/// A quaternion of length 1 from three of its components. The one that is left out is positive.
+std::array<float, 4> quaternionOf(const std::array<float, 3>& three, std::size_t left_out);
 
 /// 1 / (1 + exp(-x)): opacities are stored as their logits.
 float sigmoid(float x);

@@ -1,7 +1,6 @@
 // The PLY of Kerbl et al. 2023, and its variants: see gaussian_formats.h.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <initializer_list>
 #include <optional>
@@ -12,6 +11,7 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/gaussian_formats.h"
 #include "render/scene/io/ply_items.h"
@@ -149,18 +149,21 @@ class Plausibility {
     scale_is_length_ = scale_is_length_ && scale > 0.0f;
   }
 
-  void remark(std::vector<std::string>& remarks) const {
-    if (count_ < kEnough) return;
-    if (opacity_is_share_) {
+  /// @return whether it has named the scales
+  bool remark(std::vector<std::string>& remarks) const {
+    if (count_ < kEnough) return false;
+    if (scale_is_length_) {
+      remarks.push_back(std::string("all scales are positive") +
+                        (opacity_is_share_ ? ", and all opacities 0 to 1," : "") +
+                        " as if they were stored without the logarithm" +
+                        (opacity_is_share_ ? " and the logit" : "") +
+                        ": the Gaussians are then far too large");
+    } else if (opacity_is_share_) {
       remarks.emplace_back(
           "all opacities are 0 to 1, as if they were stored without the logit: the Gaussians then "
           "look fainter than they are, or denser");
     }
-    if (scale_is_length_) {
-      remarks.emplace_back(
-          "all scales are positive, as if they were stored without the logarithm: the Gaussians "
-          "are then far too large");
-    }
+    return scale_is_length_;
   }
 
  private:
@@ -186,10 +189,7 @@ bool preservesLight(const ply::Header& header) {
   bool preserves = false;
   for (const std::string& comment : header.comments) {
     std::string text;  // in lower case, without blanks
-    for (const char c : comment) {
-      if (c != ' ' && c != '\t')
-        text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
+    for (const std::string_view word : wordsOf(comment)) text += lowered(word);
     if (text.starts_with("splatrendermode:")) preserves = text == "splatrendermode:mip";
     if (text == "antialiased1" || text == "antialiased0") preserves = text.ends_with('1');
   }
@@ -225,8 +225,8 @@ GaussianFile readGaussianPly(const std::filesystem::path& path) {
   if (origin) {
     if (auto remark = originRemark(*origin)) file.remarks.push_back(std::move(*remark));
   }
-  plausibility.remark(file.remarks);
-  collector.finish(input.name(), columns.isFine());
+  const bool named = plausibility.remark(file.remarks);
+  finishGaussians(file, input.name(), {.fine = columns.isFine(), .knows_scales = named});
   return file;
 }
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/base64.h"
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/file_bytes.h"
@@ -108,11 +107,20 @@ std::size_t numberIn(const GltfDocument& gltf, const Json& object, const char* k
               " is no number of bytes, elements or an entry");
 }
 
+const Json& arrayIn(const Json& object, const char* key) {
+  static const Json kEmpty = Json::array();
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  return object.is_object() && found != object.end() && found->is_array() ? *found : kEmpty;
+}
+
+const Json* partOf(const Json& object, const char* key) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  return object.is_object() && found != object.end() && found->is_object() ? &*found : nullptr;
+}
+
 const Json* extensionOf(const Json& object, const char* name) {
-  const auto all = object.is_object() ? object.find("extensions") : object.end();
-  if (!object.is_object() || all == object.end() || !all->is_object()) return nullptr;
-  const auto found = all->find(name);
-  return found != all->end() && found->is_object() ? &*found : nullptr;
+  const Json* const all = partOf(object, "extensions");
+  return all != nullptr ? partOf(*all, name) : nullptr;
 }
 
 GltfDocument::GltfDocument(const std::filesystem::path& path)
@@ -128,23 +136,19 @@ void GltfDocument::refuse(const std::string& what) const {
                                                       ": try it without compression"));
 }
 
+void GltfDocument::refuseVersion(const std::string& version) const {
+  refuse("is glTF of version " + version +
+         ": expected version 2, which Blender or gltf-pipeline makes of it");
+}
+
 void GltfDocument::parse(Bytes file) {
   const bool binary = file.size() >= 4 && std::memcmp(file.data(), "glTF", 4) == 0;
-  const std::string extension = lowerExtension(path_);
-  if (binary && file.size() >= kGlbHeader && u32At(file, 4) == 1) {
-    refuse(
-        "is binary glTF of version 1: expected version 2, which Blender or gltf-pipeline makes of "
-        "it");
+  if (binary && file.size() >= kGlbHeader && u32At(file, 4) != 2) {
+    refuseVersion(std::to_string(u32At(file, 4)));
   }
   if (binary && file.size() >= kGlbHeader && u32At(file, 8) > file.size()) {
     refuse("is cut off: states " + bytesText(u32At(file, 8)) + ", and has " +
            thousands(static_cast<double>(file.size())));
-  }
-  if (binary && extension == ".gltf") {
-    refuse("is binary glTF: give it a name that ends in .glb");
-  }
-  if (!binary && extension == ".glb") {
-    refuse("is no binary glTF: if it is glTF as text, give it a name that ends in .gltf");
   }
   Bytes text = file;
   if (binary) {
@@ -176,9 +180,12 @@ void GltfDocument::parse(Bytes file) {
     json_ = Json::parse(ascii, nullptr, false);
   }
   if (!json_.is_object()) refuse("is not glTF: expected a JSON object");
-  if (json_.contains("nodes") && json_["nodes"].is_object()) {
-    refuse("is glTF of version 1: expected version 2, which gltf-pipeline makes of it");
+  const Json* const asset = partOf(json_, "asset");
+  const Json version = asset != nullptr ? asset->value("version", Json()) : Json();
+  if (version.is_string() && !version.get<std::string>().starts_with("2")) {
+    refuseVersion(shown(version.get<std::string>()));
   }
+  if (partOf(json_, "nodes") != nullptr) refuseVersion("1");
 }
 
 /// Refuses extensions without which the image would be wrong.
@@ -186,9 +193,7 @@ void GltfDocument::checkExtensions() {
   constexpr std::array<std::string_view, 7> kRead = {
       "KHR_texture_transform", "KHR_mesh_quantization",   "KHR_lights_punctual", "KHR_xmp_json_ld",
       "EXT_texture_webp",      "EXT_mesh_gpu_instancing", "KHR_texture_basisu"};
-  const auto required = json_.find("extensionsRequired");
-  if (required == json_.end() || !required->is_array()) return;
-  for (const Json& each : *required) {
+  for (const Json& each : arrayIn(json_, "extensionsRequired")) {
     if (!each.is_string()) continue;
     const auto name = each.get<std::string>();
     if (name.starts_with("KHR_gaussian_splatting")) continue;
@@ -204,10 +209,8 @@ void GltfDocument::checkExtensions() {
 }
 
 const Json* GltfDocument::entry(const char* list, std::size_t number) const {
-  const auto found = json_.find(list);
-  if (found == json_.end() || !found->is_array() || number >= found->size()) return nullptr;
-  const Json& one = (*found)[number];
-  return one.is_object() ? &one : nullptr;
+  const Json& all = arrayIn(json_, list);
+  return number < all.size() && all[number].is_object() ? &all[number] : nullptr;
 }
 
 const Json* GltfDocument::entry(const char* list, const Json& object, const char* key) const {
@@ -225,13 +228,8 @@ std::size_t GltfDocument::countOf(std::size_t accessor) const {
 }
 
 std::size_t GltfDocument::componentsOf(std::size_t accessor) const {
-  constexpr std::array<std::pair<std::string_view, std::size_t>, 7> kTypes = {{{"SCALAR", 1},
-                                                                               {"VEC2", 2},
-                                                                               {"VEC3", 3},
-                                                                               {"VEC4", 4},
-                                                                               {"MAT2", 4},
-                                                                               {"MAT3", 9},
-                                                                               {"MAT4", 16}}};
+  constexpr std::pair<std::string_view, std::size_t> kTypes[] = {
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
   const Json type = accessorAt(accessor).value("type", Json());
   for (const auto& [name, count] : kTypes) {
     if (type == name) return count;

@@ -27,8 +27,8 @@ class GltfDocument {
   using Bytes = std::span<const unsigned char>;
 
   /// Text or binary, by the first bytes. A name in another code than UTF-8 has "?" for its bytes.
-  /// @throws InputError if the file cannot be read, is cut off, is of version 1, nests too deeply,
-  /// is no JSON object, or requires an extension that foci does not read
+  /// @throws InputError if the file cannot be read, is cut off, is of another version, nests too
+  /// deeply, is no JSON object, or requires an extension that foci does not read
   explicit GltfDocument(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }
@@ -65,6 +65,7 @@ class GltfDocument {
   struct Records;
 
   void parse(Bytes file);
+  [[noreturn]] void refuseVersion(const std::string& version) const;
   void checkExtensions();
   const Json& accessorAt(std::size_t number) const;
   Bytes buffer(std::size_t number) const;
@@ -90,21 +91,24 @@ class GltfDocument {
 std::size_t numberIn(const GltfDocument& gltf, const nlohmann::json& object, const char* key,
                      std::size_t otherwise);
 
+/// A list inside an object; empty if there is none.
+const nlohmann::json& arrayIn(const nlohmann::json& object, const char* key);
+
 /// The numbers of a list; `otherwise` if there is none of this length.
 template <std::size_t N>
 std::array<double, N> listIn(const nlohmann::json& object, const char* key,
                              const std::array<double, N>& otherwise) {
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  if (!object.is_object() || found == object.end() || !found->is_array() || found->size() != N) {
-    return otherwise;
-  }
+  const nlohmann::json& list = arrayIn(object, key);
   std::array<double, N> numbers{};
   for (std::size_t i = 0; i < N; ++i) {
-    if (!(*found)[i].is_number()) return otherwise;
-    numbers[i] = (*found)[i].get<double>();
+    if (list.size() != N || !list[i].is_number()) return otherwise;
+    numbers[i] = list[i].get<double>();
   }
   return numbers;
 }
+
+/// An object inside an object; null if there is none.
+const nlohmann::json* partOf(const nlohmann::json& object, const char* key);
 
 /// What an extension says of an object; null if it says nothing.
 const nlohmann::json* extensionOf(const nlohmann::json& object, const char* name);

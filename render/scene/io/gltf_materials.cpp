@@ -14,11 +14,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// An object inside an object; empty if there is none.
-const Json& partOf(const Json& object, const char* key) {
+/// An object inside an object; an empty one if there is none.
+const Json& objectIn(const Json& object, const char* key) {
   static const Json kEmpty = Json::object();
-  const auto found = object.find(key);
-  return found != object.end() && found->is_object() ? *found : kEmpty;
+  const Json* const part = partOf(object, key);
+  return part != nullptr ? *part : kEmpty;
 }
 
 TextureWrap wrapOf(std::size_t mode) {
@@ -50,16 +50,10 @@ struct GltfMaterials::Color {
 
 GltfMaterials::GltfMaterials(const GltfDocument& gltf, MeshBuilder& builder)
     : gltf_(gltf), builder_(builder) {
-  const auto materials = gltf.json().find("materials");
-  if (materials != gltf.json().end() && materials->is_array()) {
-    plain_ = static_cast<std::uint32_t>(materials->size());
-  }
-  const auto textures = gltf.json().find("textures");
-  const bool basis =
-      textures != gltf.json().end() && textures->is_array() &&
-      std::any_of(textures->begin(), textures->end(), [](const Json& texture) {
-        return extensionOf(texture, "KHR_texture_basisu") != nullptr && !texture.contains("source");
-      });
+  plain_ = static_cast<std::uint32_t>(arrayIn(gltf.json(), "materials").size());
+  const bool basis = std::ranges::any_of(arrayIn(gltf.json(), "textures"), [](const Json& texture) {
+    return extensionOf(texture, "KHR_texture_basisu") != nullptr && !texture.contains("source");
+  });
   if (!basis) return;
   builder.remark(
       "textures in KTX2 (KHR_texture_basisu) are left out: make them PNG or JPEG, e.g. with "
@@ -74,24 +68,25 @@ std::uint32_t GltfMaterials::numberOf(const Json& primitive) const {
 GltfMaterials::Color GltfMaterials::colorOf(const Json& material) const {
   Color color;
   const Json* const specular = extensionOf(material, "KHR_materials_pbrSpecularGlossiness");
-  const Json& base = specular ? *specular : partOf(material, "pbrMetallicRoughness");
+  const Json& base = specular ? *specular : objectIn(material, "pbrMetallicRoughness");
   const auto factor =
       listIn<4>(base, specular ? "diffuseFactor" : "baseColorFactor", {1.0, 1.0, 1.0, 1.0});
   color.factor = unitColor({factor[0], factor[1], factor[2]});
   color.alpha = static_cast<float>(factor[3] >= 0.0 ? std::min(factor[3], 1.0) : 0.0);
-  color.texture = &partOf(base, specular ? "diffuseTexture" : "baseColorTexture");
+  color.texture = &objectIn(base, specular ? "diffuseTexture" : "baseColorTexture");
   const auto emitted = listIn<3>(material, "emissiveFactor", {0.0, 0.0, 0.0});
   color.emitted = unitColor({emitted[0], emitted[1], emitted[2]});
   color.glows = color.factor == glm::vec3(0.0f) && color.emitted != glm::vec3(0.0f);
-  if (color.glows) color.texture = &partOf(material, "emissiveTexture");
+  if (color.glows) color.texture = &objectIn(material, "emissiveTexture");
   return color;
 }
 
 GltfMaterials::Placement GltfMaterials::placementOf(std::uint32_t number) const {
   const Json* const material = gltf_.entry("materials", number);
   if (material == nullptr) return {};
-  const Json& texture = *colorOf(*material).texture;
-  Placement placement{.set = numberIn(gltf_, texture, "texCoord", 0)};
+  const Color color = colorOf(*material);
+  const Json& texture = *color.texture;
+  Placement placement{.set = numberIn(gltf_, texture, "texCoord", 0), .glows = color.glows};
   const Json* const moved = extensionOf(texture, "KHR_texture_transform");
   if (moved == nullptr) return placement;
   placement.set = numberIn(gltf_, *moved, "texCoord", placement.set);

@@ -25,6 +25,7 @@ class GltfMaterials {
   struct Placement {
     std::size_t set = 0;
     glm::mat3 transform{1.0f};
+    bool glows = false;  ///< the material is black but for the light that it emits
 
     /// The result's v points upwards.
     glm::vec2 of(const glm::vec2& uv) const {

@@ -64,9 +64,7 @@ class GltfMeshReader {
   /// The primitives of a mesh, which are objects.
   std::vector<const Json*> primitivesOf(const Json& mesh) const {
     std::vector<const Json*> primitives;
-    const auto list = mesh.find("primitives");
-    if (list == mesh.end() || !list->is_array()) return primitives;
-    for (const Json& each : *list) {
+    for (const Json& each : arrayIn(mesh, "primitives")) {
       if (each.is_object()) primitives.push_back(&each);
     }
     return primitives;
@@ -129,9 +127,10 @@ class GltfMeshReader {
     part.positions = vectorsOf(primitive.floats("POSITION", 3));
     part.normals = vectorsOf(primitive.floats("NORMAL", 3));
     part.triangles = primitive.triangles();
-    part.channels = primitive.componentsOf("COLOR_0");
-    if (part.channels > 0) part.colors = primitive.floats("COLOR_0", part.channels == 4 ? 4 : 3);
     const GltfMaterials::Placement placement = materials_.placementOf(part.material);
+    // The colours of vertices tint the material's, and not the light that it emits.
+    part.channels = placement.glows ? 0 : primitive.componentsOf("COLOR_0");
+    if (part.channels > 0) part.colors = primitive.floats("COLOR_0", part.channels == 4 ? 4 : 3);
     const auto uv = primitive.floats("TEXCOORD_" + std::to_string(placement.set), 2);
     for (std::size_t i = 0; i < uv.size(); i += 2) {
       part.uv.push_back(placement.of({uv[i], uv[i + 1]}));
@@ -184,14 +183,14 @@ class GltfMeshReader {
   /// v' = v + sum of w_t d_t over the targets t
   void applyWeights(const GltfPlace& place, const Json& json,
                     std::vector<glm::vec3>& positions) const {
-    const auto targets = json.find("targets");
-    if (targets == json.end() || !targets->is_array()) return;
+    const Json& targets = arrayIn(json, "targets");
+    if (targets.empty()) return;
     const Json& node = *gltf_.entry("nodes", place.node);
     const Json weights = (node.contains("weights") ? node : *gltf_.entry("meshes", place.mesh))
                              .value("weights", Json::array());
-    for (std::size_t t = 0; t < std::min(weights.size(), targets->size()); ++t) {
+    for (std::size_t t = 0; t < std::min(weights.size(), targets.size()); ++t) {
       const float weight = weights[t].get<float>();
-      const std::size_t target = numberIn(gltf_, (*targets)[t], "POSITION", kNoEntry);
+      const std::size_t target = numberIn(gltf_, targets[t], "POSITION", kNoEntry);
       if (weight == 0.0f || target == kNoEntry) continue;
       const auto moves = vectorsOf(gltf_.floats(target, 3));
       if (moves.size() != positions.size()) refuseShape(place, "a morph target");
@@ -235,12 +234,12 @@ class GltfMeshReader {
 
   std::vector<glm::mat4> jointsOf(const GltfPlace& place) const {
     const Json& skin = *gltf_.entry("skins", *place.skin);
-    const auto list = skin.find("joints");
-    if (list == skin.end() || !list->is_array() || list->empty()) refuseShape(place, "the skin");
+    const Json& list = arrayIn(skin, "joints");
+    if (list.empty()) refuseShape(place, "the skin");
     const std::size_t matrices = numberIn(gltf_, skin, "inverseBindMatrices", kNoEntry);
     const auto bind = matrices == kNoEntry ? std::vector<float>() : gltf_.floats(matrices, 16);
     std::vector<glm::mat4> joints;
-    for (const Json& each : *list) {
+    for (const Json& each : list) {
       const auto node = each.get<std::size_t>();
       if (node >= nodes_.size()) refuseShape(place, "the skin");
       glm::dmat4 joint = nodes_.sceneFrom(node);

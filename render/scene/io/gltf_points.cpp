@@ -56,11 +56,12 @@ class GltfPointReader {
       finishGaussians(*found.gaussians, gltf_.path().string());
     }
     if (points_.size() > 0) {
-      positions_.finish();
+      positions_.finish(gltf_.path().string());
       points_.format = "glTF points";
       points_.unit_m = 1.0;
       if (!has_normals_) points_.normal.clear();
       remarkDark(points_);
+      dropPlainOpacity(points_);
       found.points = std::move(points_);
     }
     return found;

@@ -42,9 +42,7 @@ glm::dmat4 parentFrom(const Json& node) {
 /// The numbers in a list of an object; other entries are left out.
 std::vector<std::size_t> numbersIn(const Json& object, const char* key) {
   std::vector<std::size_t> numbers;
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  if (!object.is_object() || found == object.end() || !found->is_array()) return numbers;
-  for (const Json& each : *found) {
+  for (const Json& each : arrayIn(object, key)) {
     if (each.is_number_unsigned()) numbers.push_back(each.get<std::size_t>());
   }
   return numbers;
@@ -55,8 +53,7 @@ class Walk {
   explicit Walk(const GltfDocument& gltf) : gltf_(gltf) {}
 
   std::vector<GltfPlace> places() {
-    const auto nodes = gltf_.json().find("nodes");
-    const std::size_t count = nodes != gltf_.json().end() && nodes->is_array() ? nodes->size() : 0;
+    const std::size_t count = arrayIn(gltf_.json(), "nodes").size();
     if (count == 0) gltf_.refuse("is no mesh that can be read: it has no scene with nodes");
     open_.assign(count, 0);
     for (const std::size_t root : roots(count)) visit(root, glm::dmat4(1.0), "", 1);
@@ -164,11 +161,10 @@ class Walk {
 std::vector<GltfPlace> placesOf(const GltfDocument& gltf) { return Walk(gltf).places(); }
 
 GltfNodes::GltfNodes(const GltfDocument& gltf) : gltf_(gltf) {
-  const auto nodes = gltf.json().find("nodes");
-  if (nodes == gltf.json().end() || !nodes->is_array()) return;
-  parents_.assign(nodes->size(), kNoEntry);
-  for (std::size_t n = 0; n < nodes->size(); ++n) {
-    for (const std::size_t child : numbersIn((*nodes)[n], "children")) {
+  const Json& nodes = arrayIn(gltf.json(), "nodes");
+  parents_.assign(nodes.size(), kNoEntry);
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    for (const std::size_t child : numbersIn(nodes[n], "children")) {
       if (child < parents_.size()) parents_[child] = n;
     }
   }

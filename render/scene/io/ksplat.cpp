@@ -235,7 +235,7 @@ GaussianFile readKsplatFile(const std::filesystem::path& path) {
     SectionReader(bytes, *header, section, at).appendTo(collector, degree);
     at += section.bytes();
   }
-  collector.finish(bytes.name());
+  finishGaussians(file, bytes.name());
   return file;
 }
 

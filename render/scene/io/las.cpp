@@ -1,4 +1,4 @@
-#include "render/scene/io/las.h"
+#include "render/scene/io/point_formats.h"
 
 #include <algorithm>
 #include <array>
@@ -31,17 +31,8 @@ struct PointFormat {
   std::size_t bytes;     // at least
   std::size_t color_at;  // 0: none
 };
-constexpr std::array<PointFormat, 11> kFormats = {{{20, 0},
-                                                   {28, 0},
-                                                   {26, 20},
-                                                   {34, 28},
-                                                   {57, 0},
-                                                   {63, 28},
-                                                   {30, 0},
-                                                   {36, 30},
-                                                   {38, 30},
-                                                   {59, 0},
-                                                   {67, 30}}};
+constexpr PointFormat kFormats[] = {{20, 0}, {28, 0},  {26, 20}, {34, 28}, {57, 0}, {63, 28},
+                                    {30, 0}, {36, 30}, {38, 30}, {59, 0},  {67, 30}};
 
 struct LasHeader {
   std::uint64_t data_at = 0, points = 0;
@@ -140,7 +131,7 @@ LasHeader readLasHeader(ply::Input& input) {
         "is compressed (LAZ), which foci does not read: laszip -i scan.laz -o scan.las, or pdal "
         "translate scan.laz scan.las, makes a LAS file of it");
   }
-  if (format >= kFormats.size()) {
+  if (format >= std::size(kFormats)) {
     throw refuse("has point format " + std::to_string(format) + ": expected 0 to 10");
   }
   header.format = kFormats[format];
@@ -271,12 +262,7 @@ PointCloud readLas(const std::filesystem::path& path) {
     codes.push_back({u16At(record, at), u16At(record, at + 2), u16At(record, at + 4)});
     brightest = std::max({brightest, codes.back()[0], codes.back()[1], codes.back()[2]});
   }
-  if (points.size() == 0) {
-    throw InputError(input.name(), points.dropped == 0
-                                       ? "has no points"
-                                       : "none of its points has a finite position");
-  }
-  positions.finish();
+  positions.finish(input.name());
   places.finish();
   if (has_color && brightest > 0) {
     const float white = brightest > 255 ? 65535.0f : 255.0f;

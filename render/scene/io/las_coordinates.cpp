@@ -1,7 +1,6 @@
 #include "render/scene/io/las_coordinates.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <initializer_list>
@@ -11,6 +10,7 @@
 
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 
 namespace foci {
@@ -19,8 +19,8 @@ namespace {
 constexpr double kUsFoot_m = 1200.0 / 3937.0, kFoot_m = 0.3048;
 
 /// Units of length by their EPSG codes.
-constexpr std::array<std::pair<unsigned, double>, 6> kLengths = {
-    {{9001, 1.0}, {9002, kFoot_m}, {9003, kUsFoot_m}, {9036, 1000.0}, {1025, 0.001}, {1033, 0.01}}};
+constexpr std::pair<unsigned, double> kLengths[] = {
+    {9001, 1.0}, {9002, kFoot_m}, {9003, kUsFoot_m}, {9036, 1000.0}, {1025, 0.001}, {1033, 0.01}};
 
 /// Numbers of GeoKeys (OGC 19-008r4, annex B).
 enum GeoKey : unsigned {
@@ -82,15 +82,15 @@ class GeoKeys {
 };
 
 std::optional<double> lengthOfCode(unsigned code) {
-  const auto* const found = std::find_if(kLengths.begin(), kLengths.end(),
-                                         [&](const auto& each) { return each.first == code; });
-  return found == kLengths.end() ? std::nullopt : std::optional(found->second);
+  for (const auto& [known, metres] : kLengths) {
+    if (known == code) return metres;
+  }
+  return std::nullopt;
 }
 
 /// The unit that a name of a coordinate system ends with: "NAD83 / Ohio North (ftUS)".
 std::optional<double> lengthInCitation(std::string_view citation) {
-  std::string text(citation);
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string text = lowered(citation);
   const auto has = [&](std::initializer_list<std::string_view> any) {
     return std::any_of(any.begin(), any.end(),
                        [&](std::string_view part) { return text.find(part) != std::string::npos; });
@@ -103,21 +103,12 @@ std::optional<double> lengthInCitation(std::string_view citation) {
 
 /// Whether the codes of projected systems in metres hold this one: UTM zones and national grids.
 bool isInMetres(unsigned epsg) {
-  constexpr std::array<std::pair<unsigned, unsigned>, 12> kRanges = {{{32601, 32660},
-                                                                      {32701, 32760},
-                                                                      {25828, 25838},
-                                                                      {26901, 26923},
-                                                                      {26701, 26722},
-                                                                      {31466, 31469},
-                                                                      {2154, 2154},
-                                                                      {27700, 27700},
-                                                                      {28992, 28992},
-                                                                      {2056, 2056},
-                                                                      {3006, 3067},
-                                                                      {3857, 3857}}};
-  return std::any_of(kRanges.begin(), kRanges.end(), [&](const auto& range) {
-    return epsg >= range.first && epsg <= range.second;
-  });
+  constexpr std::pair<unsigned, unsigned> kRanges[] = {
+      {32601, 32660}, {32701, 32760}, {25828, 25838}, {26901, 26923},
+      {26701, 26722}, {31466, 31469}, {2154, 2154},   {27700, 27700},
+      {28992, 28992}, {2056, 2056},   {3006, 3067},   {3857, 3857}};
+  return std::ranges::any_of(
+      kRanges, [&](const auto& range) { return epsg >= range.first && epsg <= range.second; });
 }
 
 /// A bracket of WKT: KEYWORD["text",1.5,OTHER[...]].

@@ -41,9 +41,28 @@ std::vector<std::string> uniqueNames(const std::vector<std::string>& names) {
   return unique;
 }
 
-bool isUsable(const glm::vec3& p) {
-  return std::abs(p.x) <= kFarthest_m && std::abs(p.y) <= kFarthest_m &&
-         std::abs(p.z) <= kFarthest_m;  // false for NaN
+/// Adds a remark if the parts of a mesh lie so far apart that each is small in view: hardly any of
+/// equal steps across the mesh have a triangle.
+void remarkFarApart(TriangleMesh& mesh) {
+  constexpr std::size_t kSteps = 1024, kFewest = kSteps / 32;  // chosen by hand
+  const auto [low, high] = boxOf(mesh.corners_m);
+  const glm::vec3 size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const float first = low[axis], scale = static_cast<float>(kSteps - 1) / size[axis];
+  std::array<bool, kSteps> filled{};
+  for (std::size_t i = 0; i < mesh.corners_m.size(); i += 3) {
+    const auto [least, greatest] = std::minmax(
+        {mesh.corners_m[i][axis], mesh.corners_m[i + 1][axis], mesh.corners_m[i + 2][axis]});
+    const auto from = static_cast<std::size_t>((least - first) * scale),
+               to = static_cast<std::size_t>((greatest - first) * scale);
+    std::fill(filled.begin() + static_cast<std::ptrdiff_t>(from),
+              filled.begin() + static_cast<std::ptrdiff_t>(std::min(to, kSteps - 1) + 1), true);
+  }
+  const auto count = static_cast<std::size_t>(std::ranges::count(filled, true));
+  if (count >= kFewest) return;
+  mesh.remarks.push_back("its parts lie far apart, and fill " +
+                         significant(100.0 * static_cast<double>(count) / kSteps, 2) +
+                         " % of its extent: is one of them in another unit, or out of place?");
 }
 
 }  // namespace
@@ -61,7 +80,7 @@ std::uint16_t MeshBuilder::addObject(std::string name) {
 
 void MeshBuilder::add(const std::array<MeshCorner, 3>& corners, std::uint32_t material) {
   if (!std::all_of(corners.begin(), corners.end(),
-                   [](const MeshCorner& corner) { return isUsable(corner.position); })) {
+                   [](const MeshCorner& corner) { return isNearEnough(corner.position); })) {
     ++unusable_;
     return;
   }
@@ -190,6 +209,7 @@ MeshFile MeshBuilder::finish(SceneFacts facts,
     facts.opacity.x = std::min(facts.opacity.x, mesh_.alpha[i] * material.opacity);
   }
   takeColors(facts);
+  remarkFarApart(mesh_);
   if (losesDetail(mesh_.corners_m)) {
     remark(
         "the mesh is so far from the origin that its detail is lost: move it to the origin, e.g. "
@@ -211,6 +231,19 @@ void MeshBuilder::readMaterials(SceneFacts& facts,
     facts.opacity.x = std::min(facts.opacity.x, material.facts->opacity);
     facts.materials.push_back(std::move(*material.facts));
   }
+  showHidden(facts);
+}
+
+/// Some programs write `Tr 1`, or an opacity of 0, for the opposite. So it does not count if it
+/// would hide all faces.
+void MeshBuilder::showHidden(SceneFacts& facts) {
+  for (std::size_t m = 0; m < used_.size(); ++m) {
+    if (used_[m] != 0 && mesh_.materials[m].opacity > 0.0f) return;
+  }
+  for (MeshMaterial& material : mesh_.materials) material.opacity = 1.0f;
+  for (MaterialFacts& material : facts.materials) material.opacity = 1.0f;
+  facts.opacity.x = 1.0f;
+  remark("its materials would hide every face (`Tr 1`, or an opacity of 0): shown opaque");
 }
 
 /// Where the colours come from, of what the triangles use. A colour for each material tells nothing

@@ -84,6 +84,7 @@ class MeshBuilder {
 
  private:
   void readMaterials(SceneFacts& facts, const std::function<ReadMaterial(std::uint32_t)>& read);
+  void showHidden(SceneFacts& facts);
   void takeColors(SceneFacts& facts);
   void takeObjects(const SceneFacts& facts);
 

@@ -54,9 +54,7 @@ class Companions {
   void readGltf() {
     const GltfDocument gltf(mesh_);
     for (const char* list : {"buffers", "images"}) {
-      const auto entries = gltf.json().find(list);
-      if (entries == gltf.json().end() || !entries->is_array()) continue;
-      for (const auto& entry : *entries) {
+      for (const auto& entry : arrayIn(gltf.json(), list)) {
         if (!entry.is_object() || !entry.contains("uri") || !entry.at("uri").is_string()) continue;
         const std::string uri = entry.at("uri").get<std::string>();
         if (uri.starts_with("data:")) continue;

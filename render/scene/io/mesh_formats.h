@@ -1,11 +1,15 @@
-// The readers of meshes, one for each format. Private to `readMesh`.
+// The formats of meshes, one reader each (OFF: point_formats.h). Every reader throws InputError if
+// the file is damaged, if no triangle has an area, or if a texture or a file of materials is a pipe
+// or a device.
 #pragma once
 
 #include <filesystem>
+#include <variant>
 
 #include "render/scene/io/gltf_document.h"
 #include "render/scene/io/mesh.h"
 #include "render/scene/io/ply_header.h"
+#include "render/scene/point_cloud.h"
 
 namespace foci {
 
@@ -14,7 +18,8 @@ namespace foci {
 /// @param points_are_kept  the caller shows them: they are not counted as left out
 MeshFile readGltfMesh(const GltfDocument& gltf, bool points_are_kept = false);
 
-MeshFile readObjMesh(const std::filesystem::path& path);
+/// A mesh, or the vertices as points if the file has no faces.
+std::variant<PointCloud, MeshFile> readObj(const std::filesystem::path& path);
 MeshFile readStlMesh(const std::filesystem::path& path);
 
 /// @throws InputError also if foci was built without Assimp

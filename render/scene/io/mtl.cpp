@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/io/named_file.h"
 
 namespace foci {
@@ -59,8 +60,7 @@ class MtlReader {
 
  private:
   void takeLine(std::string_view rest) {
-    std::string word(nextMtlWord(rest));
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string word = lowered(nextMtlWord(rest));
     if (word == "newmtl") {
       file_.materials.push_back({.name = std::string(plainName(rest))});
       return;

@@ -1,11 +1,11 @@
 #include "render/scene/io/named_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <system_error>
 
 #include "base/text.h"
+#include "base/words.h"
 
 namespace foci {
 namespace {
@@ -13,11 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxEntries = 10'000;  // of a folder that is searched
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 bool isFile(const fs::path& path) {
   std::error_code ignored;
@@ -28,13 +23,13 @@ bool isFile(const fs::path& path) {
 std::optional<fs::path> entryOf(const fs::path& folder, const fs::path& name) {
   std::error_code error;
   if (fs::exists(folder / name, error)) return folder / name;
-  const std::string wanted = lower(name.string());
+  const std::string wanted = lowered(name.string());
   int entries = 0;
   for (fs::directory_iterator at(folder.empty() ? "." : folder, error), end; !error && at != end;
        at.increment(error)) {
     if (++entries > kMaxEntries) break;
     const fs::path entry = at->path().filename();
-    if (lower(entry.string()) == wanted) return folder / entry;
+    if (lowered(entry.string()) == wanted) return folder / entry;
   }
   return std::nullopt;
 }

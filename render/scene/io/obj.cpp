@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <map>
@@ -16,6 +15,7 @@
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/io/named_file.h"
 
 namespace foci {
@@ -23,12 +23,6 @@ namespace {
 
 bool isBlank(char c) { return c == ' ' || c == '\t'; }
 bool isLineEnd(char c) { return c == '\n' || c == '\r'; }
-
-std::string inSmallLetters(std::string_view text) {
-  std::string small(text);
-  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return small;
-}
 
 class ObjParser {
  public:
@@ -127,7 +121,7 @@ class ObjParser {
       takeNumbers(normal);
       file_.normals.emplace_back(normal[0], normal[1], normal[2]);
     } else {
-      takeOther(inSmallLetters(word));
+      takeOther(lowered(word));
     }
   }
 
@@ -155,17 +149,19 @@ class ObjParser {
   }
 
   void takeVertex() {
-    std::array<double, 6> v{};
+    std::array<double, 7> v{};
     const std::size_t count = takeNumbers(v);
-    if (count != 3 && count != 4 && count != 6) {
+    if (count != 3 && count != 4 && count != 6 && count != 7) {
       refuse("a vertex has " + std::to_string(count) +
-             " numbers: expected x y z, x y z w or x y z r g b");
+             " numbers: expected x y z, x y z w, x y z r g b or x y z w r g b");
     }
-    const bool scaled = count == 4 && v[3] != 0.0 && v[3] != 1.0;
+    const bool colored = count >= 6, weighted = count == 4 || count == 7;
+    const bool scaled = weighted && v[3] != 0.0 && v[3] != 1.0;
     file_.positions.push_back(glm::dvec3(v[0], v[1], v[2]) / (scaled ? v[3] : 1.0));
-    if (count == 6 || !file_.colors.empty()) {
+    if (colored || !file_.colors.empty()) {
+      const double* const rgb = &v[weighted ? 4 : 3];
       file_.colors.resize(file_.positions.size() - 1, glm::vec3(-1.0f));
-      file_.colors.emplace_back(count == 6 ? glm::dvec3(v[3], v[4], v[5]) : glm::dvec3(-1.0));
+      file_.colors.emplace_back(colored ? glm::dvec3(rgb[0], rgb[1], rgb[2]) : glm::dvec3(-1.0));
     }
   }
 
@@ -219,13 +215,7 @@ class ObjParser {
     const std::string_view last = trimmed(text_.substr(begin));
     if (last != "f" && !last.starts_with("f ") && !last.starts_with("f\t")) return;
     const auto words = [](std::string_view line) {
-      line = line.substr(0, line.find('#'));
-      std::vector<std::string_view> corners;
-      for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
-        corners.push_back(line.substr(0, line.find_first_of(" \t")));
-        line.remove_prefix(corners.back().size());
-      }
-      return corners;
+      return wordsOf(line.substr(0, line.find('#')));
     };
     const auto slashes = [](std::string_view corner) {
       return std::count(corner.begin(), corner.end(), '/');
@@ -277,7 +267,7 @@ std::vector<std::string> separateNames(std::string_view names) {
     if (end == 0) end = names.size();
     name += (name.empty() ? "" : " ") + std::string(names.substr(0, end));
     names.remove_prefix(std::min(end, names.size()));
-    const std::string small = inSmallLetters(plainName(name));
+    const std::string small = lowered(plainName(name));
     if (!small.ends_with(".mtl")) continue;
     separate.emplace_back(plainName(name));
     name.clear();
@@ -288,7 +278,7 @@ std::vector<std::string> separateNames(std::string_view names) {
 
 }  // namespace
 
-ObjFile readObj(const std::filesystem::path& path) {
+ObjFile parseObj(const std::filesystem::path& path) {
   const MappedFile file(path);
   const std::string_view text = textOf(file);
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {

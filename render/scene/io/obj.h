@@ -36,7 +36,7 @@ struct ObjFile {
 };
 
 /// @throws InputError with file and line, if it is no OBJ as text, or ends within a face
-ObjFile readObj(const std::filesystem::path& path);
+ObjFile parseObj(const std::filesystem::path& path);
 
 /// The MTL files that an OBJ names and that are there.
 /// @param missing  gets the names of those that are not; null: not asked for

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/input_error.h"
@@ -12,14 +13,61 @@
 #include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/mtl.h"
 #include "render/scene/io/obj.h"
+#include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
 
+/// Brings colours to linear light; negative ones stay. @return what the user should know
+std::optional<std::string> linearise(std::vector<glm::vec3>& colors,
+                                     const std::filesystem::path& path) {
+  float white = 1.0f;
+  bool whole = true;
+  for (const glm::vec3& color : colors) {
+    white = std::max({white, color.x, color.y, color.z});
+    whole = whole && color == glm::round(color);
+  }
+  constexpr float kSlack = 1e-3f, kByte = 255.0f;
+  const bool bytes = white > 1.0f + kSlack;
+  if (bytes && !(whole && white <= kByte)) {
+    throw InputError(path.string(), "colour " + decimal(double{white}, 3) +
+                                        " of a vertex: expected 0 to 1, or whole numbers of 0 to "
+                                        "255");
+  }
+  for (glm::vec3& color : colors) {
+    if (color != glm::vec3(-1.0f)) color = linearColor(color / (bytes ? kByte : 1.0f));
+  }
+  return bytes ? std::optional("its colours are 0 to 255, and not 0 to 1") : std::nullopt;
+}
+
+/// The vertices of an OBJ without faces.
+PointCloud pointsOf(ObjFile&& obj, const std::filesystem::path& path) {
+  PointCloud points;
+  points.format = "OBJ points";
+  if (const auto said = linearise(obj.colors, path)) points.remarks.push_back(*said);
+  const bool has_normals = obj.normals.size() == obj.positions.size();
+  ScanPositions positions(points);
+  for (std::size_t i = 0; i < obj.positions.size(); ++i) {
+    if (!positions.append(obj.positions[i])) continue;
+    const bool colored = i < obj.colors.size() && obj.colors[i].x >= 0.0f;
+    points.color.push_back(colored ? obj.colors[i] : glm::vec3(kUncolouredLight));
+    if (!has_normals) continue;
+    const float length = glm::length(obj.normals[i]);
+    points.normal.push_back(length > 0.0f ? obj.normals[i] / length : glm::vec3(0.0f));
+  }
+  positions.finish(path.string());
+  remarkDark(points);
+  if (obj.lines > 0) {
+    points.remarks.push_back(counted(obj.lines, "line") +
+                             " left out: the vertices are shown as points");
+  }
+  return points;
+}
+
 class ObjMesh {
  public:
-  explicit ObjMesh(const std::filesystem::path& path)
-      : path_(path), obj_(foci::readObj(path)), builder_(path) {}
+  ObjMesh(const std::filesystem::path& path, ObjFile obj)
+      : path_(path), obj_(std::move(obj)), builder_(path) {}
 
   MeshFile read() {
     for (std::string& remark : obj_.remarks) builder_.remark(std::move(remark));
@@ -31,7 +79,6 @@ class ObjMesh {
     builder_.remarkCount(unplaced_, " corner names texture coordinates that are not there",
                          " corners name texture coordinates that are not there");
     builder_.remarkLeftOut(obj_.points, obj_.lines);
-    useTransparency();
     return builder_.finish({.kind = SceneKind::obj},
                            [&](std::uint32_t number) { return materialOf(number); });
   }
@@ -81,24 +128,7 @@ class ObjMesh {
   }
 
   void build() {
-    float white = 1.0f;
-    bool whole = true;
-    for (const glm::vec3& color : obj_.colors) {
-      white = std::max({white, color.x, color.y, color.z});
-      whole = whole && color == glm::round(color);
-    }
-    constexpr float kSlack = 1e-3f, kByte = 255.0f;
-    const bool bytes = white > 1.0f + kSlack;
-    if (bytes && !(whole && white <= kByte)) {
-      throw InputError(path_.string(), "colour " + decimal(double{white}, 3) +
-                                           " of a vertex: expected 0 to 1, or whole numbers of 0 "
-                                           "to 255");
-    }
-    if (bytes) builder_.remark("its colours are 0 to 255, and not 0 to 1");
-    white = bytes ? kByte : 1.0f;
-    for (glm::vec3& color : obj_.colors) {
-      if (color != glm::vec3(-1.0f)) color = linearColor(color / white);
-    }
+    if (const auto said = linearise(obj_.colors, path_)) builder_.remark(*said);
     places_ = builder_.placesOf(obj_.positions);
     std::vector<std::uint16_t> objects;
     for (const std::string& name : obj_.objects) objects.push_back(builder_.addObject(name));
@@ -116,24 +146,6 @@ class ObjMesh {
       }
       builder_.useObject(objects[face.object]);
       builder_.addPolygon(corners, face.material);
-      if (face.material >= used_.size()) used_.resize(face.material + 1, false);
-      used_[face.material] = true;
-    }
-  }
-
-  /// `Tr 1` states that a material lets all light through. Some programs write it for the
-  /// opposite, so it does not count if it would hide all faces.
-  void useTransparency() {
-    bool hidden = !used_.empty();
-    for (std::uint32_t m = 0; m < used_.size(); ++m) {
-      const MtlMaterial* const material = defined(m);
-      if (used_[m]) {
-        hidden &= material && !material->opacity && material->transparency.value_or(0.0f) >= 1.0f;
-      }
-    }
-    ignores_tr_ = hidden;
-    if (hidden) {
-      builder_.remark("`Tr 1` of its materials would hide every face: shown opaque");
     }
   }
 
@@ -159,7 +171,7 @@ class ObjMesh {
     builder_.noteLight(glows, emitted);
     if (glows) material.factor = emitted;
     material.unlit = glows;
-    const float transparency = ignores_tr_ ? 0.0f : from->transparency.value_or(0.0f);
+    const float transparency = from->transparency.value_or(0.0f);
     const float opacity = from->opacity.value_or(1.0f - transparency);
     material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;
     read.facts->opacity = material.opacity;
@@ -178,14 +190,19 @@ class ObjMesh {
   ObjFile obj_;
   MeshBuilder builder_;
   std::map<std::string, MtlMaterial> materials_;
-  bool has_library_ = false, ignores_tr_ = false;
+  bool has_library_ = false;
   std::vector<glm::vec3> places_;  // of vertices
-  std::vector<bool> used_;         // by material
   std::uint64_t unplaced_ = 0;     // corners
 };
 
 }  // namespace
 
-MeshFile readObjMesh(const std::filesystem::path& path) { return ObjMesh(path).read(); }
+std::variant<PointCloud, MeshFile> readObj(const std::filesystem::path& path) {
+  ObjFile obj = parseObj(path);
+  if (obj.faces.empty() && obj.two_corners == 0 && !obj.positions.empty()) {
+    return pointsOf(std::move(obj), path);
+  }
+  return ObjMesh(path, std::move(obj)).read();
+}
 
 }  // namespace foci

@@ -1,5 +1,5 @@
 // The Geomview manual, "OFF Files".
-#include "render/scene/io/off.h"
+#include "render/scene/io/point_formats.h"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/ply_header.h"
@@ -72,17 +72,9 @@ class OffReader {
         throw InputError(where(),
                          std::string("ends early: expected ") + wanted + "; the file is cut off");
       }
-      std::string_view line = input_.line();
+      const std::string_view line = input_.line();
       ++line_;
-      line = line.substr(0, std::min(line.find('#'), line.size()));
-      for (std::size_t at = 0;;) {
-        constexpr std::string_view kBlanks = " \t\r";
-        at = line.find_first_not_of(kBlanks, at);
-        if (at == std::string_view::npos) break;
-        const std::size_t end = std::min(line.find_first_of(kBlanks, at), line.size());
-        words_.push_back(line.substr(at, end - at));
-        at = end;
-      }
+      words_ = wordsOf(line.substr(0, line.find('#')));
     }
     return words_;
   }
@@ -151,7 +143,7 @@ class OffReader {
     const std::size_t least = kind_.normal ? 6 : 3;
     if (row_.size() < least) throw InputError(where(), std::string("expected ") + wanted);
     const glm::dvec3 p(row_[0], row_[1], row_[2]);
-    if (!isNear(p)) throw InputError(where(), "is a vertex farther out than 1e9 units");
+    if (!isNearEnough(p)) throw InputError(where(), "is a vertex farther out than 1e9 units");
     if (position_.empty()) origin_ = originNear(p);
     position_.push_back(p - origin_);
     if (kind_.normal) normal_.emplace_back(glm::dvec3(row_[3], row_[4], row_[5]));
@@ -197,22 +189,6 @@ class OffReader {
     builder_.addPolygon(polygon, material.value_or(0));
   }
 
-  static bool isNear(const glm::dvec3& p) {
-    const double farthest = kFarthest_m;
-    return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
-  }
-
-  /// Empties opacities that are all 1, or all 0, which means the same with a remark.
-  static void dropOpaque(PointCloud& points) {
-    const auto all = [&](float value) {
-      return std::all_of(points.opacity.begin(), points.opacity.end(),
-                         [&](float opacity) { return opacity == value; });
-    };
-    const bool clear = all(0.0f);
-    if (clear) points.remarks.emplace_back("the alpha of all its colours is 0: shown opaque");
-    if (clear || all(1.0f)) points.opacity.clear();
-  }
-
   glm::vec4 vertexColor(std::uint32_t vertex) const {
     return vertex < color_.size() ? color_[vertex] : kNoColor;
   }
@@ -232,7 +208,7 @@ class OffReader {
     }
     points.opacity.assign(position_.size(), 1.0f);
     for (std::size_t i = 0; i < color_.size(); ++i) points.opacity[i] = color_[i].a;
-    dropOpaque(points);
+    dropPlainOpacity(points);
     if (const auto remark = originRemark(origin_)) points.remarks.push_back(*remark);
     return points;
   }
@@ -262,8 +238,6 @@ class OffReader {
 };
 
 }  // namespace
-
-bool isOffFile(const std::filesystem::path& path) { return lowerExtension(path) == ".off"; }
 
 std::variant<PointCloud, MeshFile> readOff(const std::filesystem::path& path) {
   return OffReader(path).read();

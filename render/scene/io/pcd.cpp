@@ -1,4 +1,4 @@
-#include "render/scene/io/pcd.h"
+#include "render/scene/io/point_formats.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "base/memory_budget.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/io/ply_items.h"
@@ -21,18 +22,7 @@
 namespace foci {
 namespace {
 
-using Words = std::vector<std::string_view>;
-constexpr std::size_t kMostFields = 1000;
-
-Words splitAtBlanks(std::string_view line) {
-  Words words;
-  for (std::size_t at = 0; (at = line.find_first_not_of(" \t", at)) != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
-  return words;
-}
+constexpr std::uint64_t kMostFields = 1000;  // and values of one
 
 /// A field of a point: `count` values of `size` bytes.
 struct Field {
@@ -54,86 +44,62 @@ struct PcdHeader {
   }
 };
 
-/// Reads up to the line DATA.
-class PcdHeaderReader {
- public:
-  explicit PcdHeaderReader(ply::Input& input) : input_(input) {}
-
-  PcdHeader read(std::uint64_t& lines) {
-    std::uint64_t width = 0, height = 1;
-    std::optional<std::uint64_t> points;
-    while (header_.data.empty()) {
-      ++lines_;
-      if (input_.remaining() == 0) throw refusal("the header has no line DATA");
-      const Words words = splitAtBlanks(trimmed(input_.line()));
-      if (words.empty() || words[0].starts_with('#')) continue;
-      const std::span<const std::string_view> values = std::span(words).subspan(1);
-      if (words[0] == "FIELDS" || words[0] == "COLUMNS") takeNames(values);
-      if (words[0] == "SIZE") take(values, [](Field& f, std::uint64_t n) { f.size = n; });
-      if (words[0] == "COUNT") take(values, [](Field& f, std::uint64_t n) { f.count = n; });
-      if (words[0] == "TYPE") takeTypes(values);
-      if (words[0] == "WIDTH") width = number(values);
-      if (words[0] == "HEIGHT") height = number(values);
-      if (words[0] == "POINTS") points = number(values);
-      if (words[0] == "VIEWPOINT") {
-        const Words origin = {"0", "0", "0", "1", "0", "0", "0"};
-        header_.moved = !std::equal(values.begin(), values.end(), origin.begin(), origin.end());
+/// Reads up to the line DATA. Counts lines.
+PcdHeader readPcdHeader(ply::Input& input, std::uint64_t& lines) {
+  const auto refusal = [&](const std::string& what) {
+    return InputError(input.name() + ":" + std::to_string(lines), what);
+  };
+  const auto whole = [&](std::string_view word, std::uint64_t most = UINT64_MAX) {
+    const auto value = parseInteger<std::uint64_t>(word);
+    if (value && *value <= most) return *value;
+    throw refusal(most == kMostFields ? "expected whole numbers up to 1000"
+                                      : "expected a whole number");
+  };
+  PcdHeader header;
+  std::uint64_t width = 0, height = 1;
+  std::optional<std::uint64_t> points;
+  while (header.data.empty()) {
+    ++lines;
+    if (input.remaining() == 0) throw refusal("the header has no line DATA");
+    const auto words = wordsOf(input.line());
+    if (words.empty() || words[0].starts_with('#')) continue;
+    const std::string_view key = words[0];
+    const auto values = std::span(words).subspan(1);
+    const bool of_fields = key == "SIZE" || key == "COUNT" || key == "TYPE";
+    const bool of_all = key == "WIDTH" || key == "HEIGHT" || key == "POINTS";
+    if (of_fields && values.size() != header.fields.size()) {
+      throw refusal("has " + std::to_string(values.size()) + " values for " +
+                    std::to_string(header.fields.size()) + " fields");
+    }
+    if (of_all && values.size() != 1) throw refusal("expected a whole number");
+    if (key == "FIELDS" || key == "COLUMNS") {
+      if (values.size() > kMostFields) throw refusal("has more than 1000 fields");
+      for (const std::string_view name : values) header.fields.push_back({std::string(name)});
+    }
+    for (std::size_t i = 0; of_fields && i < values.size(); ++i) {
+      Field& field = header.fields[i];
+      if (key == "SIZE") field.size = whole(values[i], kMostFields);
+      if (key == "COUNT") field.count = whole(values[i], kMostFields);
+      if (key != "TYPE") continue;
+      if (values[i] != "F" && values[i] != "U" && values[i] != "I") {
+        throw refusal("type " + shown(values[i]) + ": expected F, U or I");
       }
-      if (words[0] == "DATA" && !values.empty()) header_.data = std::string(values[0]);
+      field.type = values[i][0];
     }
-    if (header_.fields.empty()) throw refusal("the header has no line FIELDS");
-    if (!points && height > 0 && width > UINT64_MAX / height) throw refusal("WIDTH is too large");
-    header_.points = points.value_or(width * height);
-    lines = lines_;
-    return std::move(header_);
-  }
-
- private:
-  InputError refusal(const std::string& what) const {
-    return {input_.name() + ":" + std::to_string(lines_), what};
-  }
-
-  std::uint64_t number(std::span<const std::string_view> words) const {
-    const auto value = words.size() == 1 ? parseInteger<std::uint64_t>(words[0]) : std::nullopt;
-    if (!value) throw refusal("expected a whole number");
-    return *value;
-  }
-
-  void takeNames(std::span<const std::string_view> names) {
-    if (names.size() > kMostFields) throw refusal("has more than 1000 fields");
-    for (const std::string_view name : names) header_.fields.push_back({std::string(name)});
-  }
-
-  template <class Set>
-  void take(std::span<const std::string_view> words, const Set& set) {
-    expectOneForEachField(words);
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      const auto value = parseInteger<std::uint64_t>(words[i]);
-      if (!value || *value > kMostFields) throw refusal("expected whole numbers up to 1000");
-      set(header_.fields[i], *value);
+    if (key == "WIDTH") width = whole(values[0]);
+    if (key == "HEIGHT") height = whole(values[0]);
+    if (key == "POINTS") points = whole(values[0]);
+    if (key == "VIEWPOINT") {
+      constexpr std::string_view kOrigin[] = {"0", "0", "0", "1", "0", "0", "0"};
+      header.moved = !std::ranges::equal(values, kOrigin);
     }
+    if (key == "DATA" && !values.empty()) header.data = std::string(values[0]);
   }
-
-  void takeTypes(std::span<const std::string_view> words) {
-    expectOneForEachField(words);
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      if (words[i] != "F" && words[i] != "U" && words[i] != "I") {
-        throw refusal("type " + shown(words[i]) + ": expected F, U or I");
-      }
-      header_.fields[i].type = words[i][0];
-    }
-  }
-
-  void expectOneForEachField(std::span<const std::string_view> words) const {
-    if (words.size() == header_.fields.size()) return;
-    throw refusal("has " + std::to_string(words.size()) + " values for " +
-                  std::to_string(header_.fields.size()) + " fields");
-  }
-
-  ply::Input& input_;
-  PcdHeader header_;
-  std::uint64_t lines_ = 0;
-};
+  if (header.fields.empty()) throw refusal("the header has no line FIELDS");
+  if (!points && height > 0 && width > UINT64_MAX / height) throw refusal("WIDTH is too large");
+  header.points = points.value_or(width * height);
+  return header;
+}
 
 /// The type of one value; absent for integers of 64 bits, which no used field has.
 std::optional<ply::Scalar> scalarOf(const Field& field) {
@@ -248,24 +214,21 @@ void put(unsigned char* to, double value) {
   std::memcpy(to, &narrow, sizeof(T));
 }
 
-/// Records from points as text, a line each.
-std::vector<unsigned char> parsedRecords(ply::Input& input, const PcdHeader& header,
+/// Records from points as text.
+std::vector<unsigned char> parsedRecords(ply::Input& input, const PcdHeader& pcd,
                                          std::uint64_t lines) {
-  std::vector<unsigned char> records(header.points * header.recordBytes());
+  ply::Element values{.name = "vertex", .count = pcd.points, .properties = {}};
+  for (const Field& field : pcd.fields) {
+    values.properties.insert(values.properties.end(), field.count, ply::Property{});
+  }
+  ply::Header header{.format = ply::Format::ascii, .elements = {}, .lines = lines, .comments = {}};
+  std::vector<unsigned char> records(pcd.points * pcd.recordBytes());
   unsigned char* to = records.data();
-  for (std::uint64_t i = 0; i < header.points;) {
-    if (input.remaining() == 0) {
-      throw InputError(input.name(), "ends after " + std::to_string(i) + " of " +
-                                         std::to_string(header.points) + " points");
-    }
-    ++lines;
-    const std::string_view line = trimmed(input.line());
-    if (line.empty()) continue;
-    ++i;
+  for (ply::Items items(input, header, values); items.next();) {
     std::size_t at = 0;
-    for (const Field& field : header.fields) {
+    for (const Field& field : pcd.fields) {
       for (std::size_t k = 0; k < field.count; ++k, to += field.size) {
-        const double value = ply::numberAt(line, at, input.name(), lines);
+        const double value = items.value(at++);
         // A packed colour as a float is its bits.
         if (field.type == 'F' && field.size == 4) put<float>(to, value);
         if (field.type == 'F' && field.size == 8) put<double>(to, value);
@@ -288,7 +251,7 @@ bool isPcd(std::string_view start) {
 PointCloud readPcd(const std::filesystem::path& path) {
   ply::Input input(path);
   std::uint64_t lines = 0;
-  const PcdHeader pcd = PcdHeaderReader(input).read(lines);
+  const PcdHeader pcd = readPcdHeader(input, lines);
   const std::size_t record = pcd.recordBytes();
   const std::uint64_t least = pcd.data == "ascii" ? pcd.fields.size() : record;
   // Packed points have some byte for each 264 of theirs, the most that LZF reaches.

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/input_error.h"
@@ -111,12 +112,7 @@ PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::strin
       points.objects.of.push_back(objectOf(points.objects, items.value(*layout.label), items));
     }
   }
-  if (points.size() == 0) {
-    throw InputError(file, points.dropped == 0 ? "has no points"
-                                               : "none of its " + std::to_string(points.dropped) +
-                                                     " points has a finite position");
-  }
-  positions.finish();
+  positions.finish(file);
   if (!fine && points.size() > 1 && losesDetail(points.position_m)) {
     points.remarks.emplace_back(
         "the points are so far from the origin that floats lose their detail: save them with "
@@ -134,12 +130,7 @@ PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::strin
                        : std::vector<glm::vec3>(points.size(), glm::vec3(kUncolouredLight));
   }
   remarkDark(points);
-  if (!points.opacity.empty() && std::all_of(points.opacity.begin(), points.opacity.end(),
-                                             [](float opacity) { return opacity == 0.0f; })) {
-    points.remarks.push_back(
-        "the opacity of all points is 0, so none is seen: leave out the property alpha or "
-        "opacity to see them");
-  }
+  dropPlainOpacity(points);
   return points;
 }
 
@@ -152,7 +143,9 @@ PointCloud readPly(const std::filesystem::path& path) {
       continue;
     }
     ply::Items items(input, header, element);
-    return readVertices(items, element.count, input.name());
+    PointCloud points = readVertices(items, element.count, input.name());
+    if (auto edges = ply::edgesRemark(header)) points.remarks.push_back(std::move(*edges));
+    return points;
   }
   throw InputError(input.name(), "has no element vertex");
 }

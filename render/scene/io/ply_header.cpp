@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
-#include <charconv>
-#include <cstdlib>
 #include <cstring>
 #include <optional>
 
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/ply_items.h"
 
@@ -34,24 +31,6 @@ std::optional<Scalar> scalarNamed(std::string_view name) {
   return std::nullopt;
 }
 
-std::vector<std::string_view> wordsOf(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (std::size_t at = 0;;) {
-    at = line.find_first_not_of(" \t", at);
-    if (at == std::string_view::npos) return words;
-    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
-}
-
-/// The part of a hostile line that is safe to show in a one-line message.
-std::string printable(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
-  return out + (text.size() > 40 ? "...\"" : "\"");
-}
-
 Property propertyOf(const std::vector<std::string_view>& words, const std::string& where) {
   const bool list = words.size() == 5 && words[1] == "list";
   if (!list && words.size() != 3) {
@@ -61,14 +40,14 @@ Property propertyOf(const std::vector<std::string_view>& words, const std::strin
   for (std::size_t i = list ? 2 : 1; i + 1 < words.size(); ++i) {
     const auto type = scalarNamed(words[i]);
     if (!type) {
-      throw InputError(where, "property type " + printable(words[i]) +
+      throw InputError(where, "property type " + shown(words[i]) +
                                   ": expected char, uchar, short, ushort, int, uint, float or "
                                   "double");
     }
     (list && i == 2 ? property.count_type : property.type) = *type;
   }
   if (list && isFloat(property.count_type)) {
-    throw InputError(where, "list " + printable(property.name) +
+    throw InputError(where, "list " + shown(property.name) +
                                 " is counted by a float: expected an "
                                 "integer type");
   }
@@ -88,14 +67,13 @@ void checkCounts(const Header& header, const Input& input) {
   std::uint64_t left = input.remaining() + (header.format == Format::ascii ? 1 : 0);
   for (const Element& element : header.elements) {
     if (element.properties.empty()) {
-      throw InputError(input.name(), "element " + printable(element.name) + " has no properties");
+      throw InputError(input.name(), "element " + shown(element.name) + " has no properties");
     }
     const std::uint64_t size = leastSize(element, header.format);
     if (element.count > left / size) {
-      throw InputError(input.name(), "element " + printable(element.name) + " has " +
-                                         std::to_string(element.count) +
-                                         " items: the file has room for at most " +
-                                         std::to_string(left / size));
+      throw InputError(input.name(),
+                       "element " + shown(element.name) + " has " + std::to_string(element.count) +
+                           " items: the file has room for at most " + std::to_string(left / size));
     }
     left -= element.count * size;
   }
@@ -104,8 +82,7 @@ void checkCounts(const Header& header, const Input& input) {
 /// Puts the names of properties in lower case.
 void lowerNames(std::vector<Property>& properties) {
   for (Property& property : properties) {
-    std::string lower = property.name;
-    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    std::string lower = lowered(property.name);
     const bool taken =
         std::any_of(properties.begin(), properties.end(),
                     [&](const Property& other) { return other.name == lower; });  // itself, too
@@ -215,27 +192,6 @@ double scalarAt(const unsigned char* bytes, Scalar type, bool swap) {
   return 0.0;
 }
 
-double numberAt(std::string_view line, std::size_t& at, const std::string& file,
-                std::uint64_t line_number) {
-  at = std::min(line.find_first_not_of(" \t", at), line.size());
-  const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-  std::string_view word = line.substr(at, end - at);
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0.0;
-  const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  // from_chars does not say whether the value is too large or too small; strtod does.
-  if (error == std::errc::result_out_of_range)
-    value = std::strtod(std::string(word).c_str(), nullptr);
-  if (error == std::errc::invalid_argument || last != word.data() + word.size()) {
-    throw InputError(file + ":" + std::to_string(line_number),
-                     word.empty()
-                         ? "too few values for a vertex"
-                         : "expected a number, found \"" + std::string(word.substr(0, 20)) + "\"");
-  }
-  at = end;
-  return value;
-}
-
 bool mustSwap(Format format) {
   return (format == Format::big) == (std::endian::native == std::endian::little);
 }
@@ -277,12 +233,10 @@ Header readHeader(Input& input) {
     return input.line();
   };
 
-  if (const auto magic = trimmed(withoutByteOrderMark(next())); magic != "ply") {
-    const bool named = lowerExtension(input.name()) == ".ply";
-    throw InputError(where(), (named ? "not a PLY file: expected ply, found "
-                                     : "is no scene that foci reads (docs/scenes.md lists the "
-                                       "formats): expected a known extension, or ply, found ") +
-                                  printable(magic));
+  std::string_view magic = trimmed(withoutByteOrderMark(next()));
+  while (magic.empty()) magic = trimmed(next());
+  if (magic != "ply") {
+    throw InputError(where(), "not a PLY file: expected ply, found " + shown(magic));
   }
   bool has_format = false;
   for (;;) {
@@ -303,29 +257,20 @@ Header readHeader(Input& input) {
       } else if (words.size() == 3 && words[1] == "binary_big_endian") {
         header.format = Format::big;
       } else {
-        throw InputError(where(), printable(line) +
+        throw InputError(where(), shown(line) +
                                       ": expected format ascii, binary_little_endian or "
                                       "binary_big_endian, and 1.0");
       }
     } else if (words[0] == "element") {
-      Element element;
-      bool counted = false;
-      if (words.size() == 3) {
-        element.name = words[1];
-        const auto count = parseInteger<std::uint64_t>(words[2]);
-        counted = count.has_value();
-        element.count = count.value_or(0);
+      const auto count = words.size() == 3 ? parseInteger<std::uint64_t>(words[2]) : std::nullopt;
+      if (!count) {
+        throw InputError(where(), shown(line) + ": expected element, a name and a whole number");
       }
-      if (!counted) {
-        throw InputError(where(),
-                         printable(line) + ": expected element, a name and a whole number");
-      }
-      header.elements.push_back(std::move(element));
+      header.elements.push_back({std::string(words[1]), *count, {}});
     } else if (words[0] == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(propertyOf(words, where()));
     } else {
-      throw InputError(where(),
-                       printable(line) + ": expected format, element, property or comment");
+      throw InputError(where(), shown(line) + ": expected format, element, property or comment");
     }
   }
   if (!has_format) throw InputError(input.name(), "the header names no format");

@@ -87,11 +87,6 @@ Header readHeader(Input& input);
 bool mustSwap(Format format);
 double scalarAt(const unsigned char* bytes, Scalar type, bool swap);
 
-/// Parses the next number of a line of an ASCII file and moves `at` behind it.
-/// @throws InputError with file and line
-double numberAt(std::string_view line, std::size_t& at, const std::string& file,
-                std::uint64_t line_number);
-
 /// The number of values of a list of a binary file, which come next.
 /// @throws InputError if the file has fewer bytes than that
 std::uint64_t listLength(Input& input, const Property& property, bool swap);

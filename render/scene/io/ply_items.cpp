@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <limits>
 
 #include "base/input_error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/io/named_file.h"
 
 namespace foci::ply {
@@ -20,25 +18,11 @@ namespace {
 constexpr double kRangeSlack = 1e-3;  // tolerance of floats meant to be 0 or 1
 constexpr double kByte = 255.0;
 
+/// The greatest integer of a type; 1 for floats.
 double fullRange(Scalar type) {
-  switch (type) {
-    case Scalar::int8:
-      return std::numeric_limits<std::int8_t>::max();
-    case Scalar::uint8:
-      return std::numeric_limits<std::uint8_t>::max();
-    case Scalar::int16:
-      return std::numeric_limits<std::int16_t>::max();
-    case Scalar::uint16:
-      return std::numeric_limits<std::uint16_t>::max();
-    case Scalar::int32:
-      return std::numeric_limits<std::int32_t>::max();
-    case Scalar::uint32:
-      return std::numeric_limits<std::uint32_t>::max();
-    case Scalar::float32:
-    case Scalar::float64:
-      return 1.0;
-  }
-  return 1.0;
+  if (isFloat(type)) return 1.0;
+  const bool is_signed = type == Scalar::int8 || type == Scalar::int16 || type == Scalar::int32;
+  return std::ldexp(1.0, 8 * static_cast<int>(sizeOf(type)) - (is_signed ? 1 : 0)) - 1.0;
 }
 
 float linearOfSrgb(double s) {
@@ -53,11 +37,18 @@ const Element* elementNamed(const Header& header, std::string_view name) {
   return found == header.elements.end() ? nullptr : &*found;
 }
 
+std::optional<std::string> edgesRemark(const Header& header) {
+  const Element* const edges = elementNamed(header, "edge");
+  if (edges == nullptr || edges->count == 0) return std::nullopt;
+  return counted(edges->count, "edge") + " left out: foci shows points, triangles and Gaussians";
+}
+
 std::vector<std::string> textureNames(const Header& header) {
-  constexpr std::string_view kKey = "TextureFile";
+  constexpr std::string_view kKey = "texturefile";
   std::vector<std::string> names;
   for (const std::string_view comment : header.comments) {
-    if (comment.starts_with(kKey)) names.emplace_back(plainName(comment.substr(kKey.size())));
+    if (lowered(comment).starts_with(kKey))
+      names.emplace_back(plainName(comment.substr(kKey.size())));
   }
   return names;
 }
@@ -174,18 +165,11 @@ double Items::nextNumber() {
     at_ = line_.find_first_not_of(" \t");
   }
   const std::size_t end = std::min(line_.find_first_of(" \t", at_), line_.size());
-  std::string_view word = line_.substr(at_, end - at_);
+  const std::string_view word = line_.substr(at_, end - at_);
   at_ = end;
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0.0;
-  const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  // from_chars does not say whether the value is too large or too small; strtod does.
-  if (error == std::errc::result_out_of_range)
-    value = std::strtod(std::string(word).c_str(), nullptr);
-  if (error == std::errc::invalid_argument || last != word.data() + word.size()) {
-    throw InputError(where(), "expected a number, found " + shown(word));
-  }
-  return value;
+  const auto value = numberOf(word);
+  if (!value) throw InputError(where(), "expected a number, found " + shown(word));
+  return *value;
 }
 
 void Items::readText() {

@@ -18,6 +18,9 @@ namespace foci::ply {
 /// The element of this name; null if there is none.
 const Element* elementNamed(const Header& header, std::string_view name);
 
+/// Names the lines that a file holds beside its points or faces.
+std::optional<std::string> edgesRemark(const Header& header);
+
 /// The textures that comments "TextureFile" name.
 std::vector<std::string> textureNames(const Header& header);
 

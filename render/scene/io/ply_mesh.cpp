@@ -44,6 +44,7 @@ class PlyMesh {
         ply::skipElement(input_, element, header_);
       }
     }
+    if (auto edges = ply::edgesRemark(header_)) builder_.remark(std::move(*edges));
     build();
     return finish();
   }

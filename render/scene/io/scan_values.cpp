@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/input_error.h"
 #include "base/quantile.h"
 #include "base/text.h"
 #include "render/image/srgb.h"
@@ -27,8 +28,8 @@ glm::dvec3 originNear(const glm::dvec3& p) {
 
 std::optional<std::string> originRemark(const glm::dvec3& origin) {
   if (origin == glm::dvec3(0.0)) return std::nullopt;
-  return "positions are relative to " + exactText(origin.x) + " " + exactText(origin.y) + " " +
-         exactText(origin.z) + " of the file, to keep their millimetres";
+  return "positions are relative to " + decimal(origin.x, 0) + " " + decimal(origin.y, 0) + " " +
+         decimal(origin.z, 0) + " of the file, to keep their millimetres";
 }
 
 bool ScanPositions::append(const glm::dvec3& p) {
@@ -45,18 +46,29 @@ bool ScanPositions::appendInPlace(const glm::dvec3& p) {
   return true;
 }
 
-void ScanPositions::finish() const {
+void ScanPositions::finish(const std::string& file) const {
+  if (points_.size() == 0) {
+    throw InputError(
+        file, points_.dropped == 0
+                  ? "has no points"
+                  : "none of its " + counted(points_.dropped, "point") + " has a finite position");
+  }
   if (!origin_) return;
   if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));
 }
 
-bool losesDetail(std::span<const glm::vec3> position) {
-  constexpr float kStepsShown = 1 << 13;  // across the scene; a screen has fewer columns
-  glm::vec3 low(position[0]), high(low);
-  for (const glm::vec3& p : position) {
+std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places) {
+  glm::vec3 low(places[0]), high(low);
+  for (const glm::vec3& p : places) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
+  return {low, high};
+}
+
+bool losesDetail(std::span<const glm::vec3> position) {
+  constexpr float kStepsShown = 1 << 13;  // across the scene; a screen has fewer columns
+  const auto [low, high] = boxOf(position);
   const glm::vec3 far = glm::max(glm::abs(low), glm::abs(high)), size = high - low;
   const float step = std::max({far.x, far.y, far.z}) * std::numeric_limits<float>::epsilon();
   return step * kStepsShown > std::max({size.x, size.y, size.z});
@@ -66,17 +78,22 @@ void remarkDegrees(PointCloud& points) {
   constexpr float kHalfTurn = 180.0f, kSlender = 1000.0f;
   constexpr std::size_t kEnough = 8;
   if (points.size() < kEnough) return;
-  glm::vec3 low(points.position_m[0]), high(low);
-  for (const glm::vec3& p : points.position_m) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  const auto [low, high] = boxOf(points.position_m);
   const glm::vec3 size = high - low, far = glm::max(glm::abs(low), glm::abs(high));
   if (!(std::min(size.x, size.y) > 0.0f && std::max(far.x, far.y) <= kHalfTurn)) return;
   if (!(size.z > kSlender * std::max(size.x, size.y))) return;
   points.remarks.emplace_back(
       "x and y may be longitude and latitude in degrees, which foci takes for the unit of z: "
       "project them to metres, e.g. with QGIS or pdal's filters.reprojection");
+}
+
+void dropPlainOpacity(PointCloud& points) {
+  const auto all = [&](float value) {
+    return std::ranges::all_of(points.opacity, [&](float each) { return each == value; });
+  };
+  const bool hidden = !points.opacity.empty() && all(0.0f);
+  if (hidden) points.remarks.emplace_back("the alpha of all points is 0: shown opaque");
+  if (hidden || all(1.0f)) points.opacity.clear();
 }
 
 void remarkDark(PointCloud& points) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/scene/point_cloud.h"
@@ -42,12 +43,16 @@ class ScanPositions {
   bool appendInPlace(const glm::dvec3& p);
 
   /// Adds a remark to the points if the origin was moved.
-  void finish() const;
+  /// @throws InputError if there are no points
+  void finish(const std::string& file) const;
 
  private:
   PointCloud& points_;
   std::optional<glm::dvec3> origin_;
 };
+
+/// The least and the greatest coordinates of places, not empty.
+std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places);
 
 /// Whether places, not empty, are so far from the origin that the steps between floats there are
 /// wider than what a screen shows of them.
@@ -56,6 +61,10 @@ bool losesDetail(std::span<const glm::vec3> position);
 /// Adds a remark if x and y may be longitude and latitude in degrees: within 180, and a thousandth
 /// of the range of z or less apart. A degree is 111 km, so a site is far wider than it is high.
 void remarkDegrees(PointCloud& points);
+
+/// Empties opacities that are all 1, or, with a remark, all 0: nobody saves points to hide them
+/// all.
+void dropPlainOpacity(PointCloud& points);
 
 /// Adds a remark if the colours use a small part of their range only, and so are nearly black.
 void remarkDark(PointCloud& points);

@@ -2,23 +2,21 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstddef>
 #include <initializer_list>
+#include <span>
 #include <utility>
 
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/scene/io/colmap.h"
+#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/gltf_points.h"
-#include "render/scene/io/las.h"
 #include "render/scene/io/mesh_formats.h"
-#include "render/scene/io/off.h"
-#include "render/scene/io/pcd.h"
 #include "render/scene/io/ply.h"
-#include "render/scene/io/text_points.h"
+#include "render/scene/io/point_formats.h"
+#include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
@@ -27,21 +25,17 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kStart = 4096;  // bytes; the header of .ksplat is the longest
 
+/// Blanks before the text do not count.
 bool startsWith(const FileStart& start, std::initializer_list<std::string_view> any) {
-  return std::any_of(any.begin(), any.end(),
-                     [&](std::string_view mark) { return start.text().starts_with(mark); });
+  const std::string_view text =
+      start.text().substr(std::min(start.text().find_first_not_of(" \t\r\n"), start.bytes.size()));
+  return std::ranges::any_of(any, [&](std::string_view mark) { return text.starts_with(mark); });
 }
 
 bool holdsAll(const FileStart& start, std::initializer_list<std::string_view> all) {
   return std::all_of(all.begin(), all.end(), [&](std::string_view part) {
     return start.text().find(part) != std::string_view::npos;
   });
-}
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
 }
 
 /// The first word of the first line that is neither empty nor a comment.
@@ -84,9 +78,11 @@ SceneContent with(const fs::path& path, std::uint64_t /*checked_B*/) {
   return kRead(path);
 }
 
-SceneContent readOffScene(const fs::path& path, std::uint64_t /*checked_B*/) {
+/// Of a reader of points or a mesh.
+template <auto kRead>
+SceneContent either(const fs::path& path, std::uint64_t /*checked_B*/) {
   return std::visit([](auto&& read) { return SceneContent(std::forward<decltype(read)>(read)); },
-                    readOff(path));
+                    kRead(path));
 }
 
 SceneContent readPrepared(const fs::path& path, std::uint64_t checked_B) {
@@ -105,6 +101,20 @@ SceneContent readPlyScene(const fs::path& path, std::uint64_t /*checked_B*/) {
   return readPly(path);
 }
 
+/// Adds a remark if the mesh is far larger than the Gaussians beside it.
+void remarkLargeMesh(GaussianFile& file) {
+  constexpr float kOtherUnit = 30.0f;  // chosen by hand
+  const auto extentOf = [](std::span<const glm::vec3> places) {
+    const auto [low, high] = boxOf(places);
+    return glm::length(high - low);
+  };
+  const float times = extentOf(file.mesh->corners_m) / extentOf(file.cloud.position_m);
+  if (!(times > kOtherUnit)) return;
+  file.remarks.push_back("the mesh is " + significant(double{times}, 2) +
+                         " times as large as the Gaussians beside it: is one of them in another "
+                         "unit?");
+}
+
 /// Gaussians, with the mesh and the points beside them; else points, or a mesh.
 SceneContent readGltfScene(const fs::path& path, std::uint64_t /*checked_B*/) {
   const GltfDocument gltf(path);
@@ -116,13 +126,9 @@ SceneContent readGltfScene(const fs::path& path, std::uint64_t /*checked_B*/) {
   if (found.has_triangles) {
     file.mesh = std::make_shared<TriangleMesh>(readGltfMesh(gltf, true).mesh);
     file.remarks.insert(file.remarks.end(), file.mesh->remarks.begin(), file.mesh->remarks.end());
+    remarkLargeMesh(file);
   }
   return std::move(file);
-}
-
-SceneContent readObjScene(const fs::path& path, std::uint64_t /*checked_B*/) {
-  if (auto points = readObjPoints(path)) return std::move(*points);
-  return readObjMesh(path);
 }
 
 SceneContent readSpzScene(const fs::path& path, std::uint64_t /*checked_B*/) {
@@ -163,11 +169,11 @@ constexpr std::array kSceneFormats = {
                 [](const FileStart& s) { return isKsplatFile(s.path); }, with<readKsplatFile>},
     SceneFormat{Kind::pcd, ".pcd", true, true, [](const FileStart& s) { return isPcd(s.text()); },
                 with<readPcd>},
-    SceneFormat{Kind::obj, ".obj", false, false, isObj, readObjScene},
+    SceneFormat{Kind::obj, ".obj", false, false, isObj, either<readObj>},
     SceneFormat{Kind::stl, ".stl", false, false, isStl, with<readStlMesh>},
     SceneFormat{Kind::off_points, ".off", false, true,
                 [](const FileStart& s) { return firstWord(s.text()).ends_with("OFF"); },
-                readOffScene},
+                either<readOff>},
     SceneFormat{Kind::gaussians, ".splat", false, false,
                 [](const FileStart& s) { return isSplatFile(s.path); }, with<readSplatFile>},
     SceneFormat{Kind::colmap, "", false, false,
@@ -218,6 +224,8 @@ struct Mark {
 using namespace std::string_view_literals;
 constexpr std::string_view kPicture =
     "is a picture: foci renders scenes of points, meshes or Gaussians";
+constexpr std::string_view kColmapList =
+    "is a list of COLMAP: give foci its points (points3D.bin or points3D.txt)";
 constexpr std::array kMarks = {
     Mark{0, "7z\xbc\xaf", "is a 7z archive: unpack it, and give the scene in it"},
     Mark{0, "rar!", "is a RAR archive: unpack it, and give the scene in it"},
@@ -255,6 +263,8 @@ constexpr std::array kMarks = {
     Mark{0, "<?xml",
          "is an XML file, which foci does not read: if it is a scene, Blender may "
          "export it as glTF"},
+    Mark{0, "# image list with two lines", kColmapList},
+    Mark{0, "# camera list with one line", kColmapList},
     Mark{0, "visionre",
          "is a VRS recording: give foci the points beside it "
          "(semidense_points.csv.gz)"},
@@ -279,12 +289,12 @@ std::string zipWords(const FileStart& start) {
 
 /// Whether a text begins like an ESRI ASCII grid: "ncols 100".
 bool isGrid(const FileStart& start) {
-  const std::string word = lower(firstWord(start.text()));
+  const std::string word = lowered(firstWord(start.text()));
   return word == "ncols" || word == "nrows";
 }
 
 std::optional<std::string> wordsOfContent(const FileStart& start) {
-  const std::string text = lower(start.text());
+  const std::string text = lowered(start.text());
   if (text.starts_with("version https://git-lfs")) {
     return "is a pointer of Git LFS, not the file itself: git lfs pull fetches it";
   }
@@ -360,7 +370,8 @@ std::optional<std::string> refusalOf(const FileStart& start) {
 fs::path sceneFileIn(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return path;
-  for (const char* name : {"lod-meta.json", "meta.json"}) {
+  for (const char* name : {"lod-meta.json", "meta.json", "points3D.bin", "points3D.txt",
+                           "sparse/0/points3D.bin", "sparse/0/points3D.txt"}) {
     if (fs::is_regular_file(path / name, ignored)) return path / name;
   }
   return path;

@@ -324,15 +324,12 @@ class Reader {
       throw InputError(name(), "has a rotation of mode " + std::to_string(rotation_.at(i, 3)) +
                                    ": expected 252 to 255");
     }
-    std::array<float, 4> wxyz{};
-    float rest = 1.0f;
-    for (std::size_t k = 0, channel = 0; k < 4; ++k) {
-      if (k == left_out) continue;
-      const float byte = static_cast<float>(rotation_.at(i, channel++)) / 255.0f;
-      wxyz[k] = (byte - 0.5f) * std::numbers::sqrt2_v<float>;
-      rest -= wxyz[k] * wxyz[k];
+    std::array<float, 3> three{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float byte = static_cast<float>(rotation_.at(i, k)) / 255.0f;
+      three[k] = (byte - 0.5f) * std::numbers::sqrt2_v<float>;
     }
-    wxyz[left_out] = std::sqrt(std::max(rest, 0.0f));
+    const auto wxyz = quaternionOf(three, left_out);
     return {wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
   }
 

@@ -87,7 +87,7 @@ GaussianFile readSplatFile(const std::filesystem::path& path) {
   for (std::size_t at = 0; at < bytes.size(); at += kRecord) {
     collector.append(gaussianOf(bytes.part(at, kRecord)), {});
   }
-  collector.finish(bytes.name());
+  finishGaussians(file, bytes.name());
   return file;
 }
 

@@ -169,29 +169,24 @@ glm::vec3 positionOf(const SpzArrays& all, std::size_t i) {
 
 glm::vec4 rotationOf(const SpzArrays& all, std::size_t i) {
   const std::vector<unsigned char>& bytes = all.array[kRotations];
-  std::array<float, 4> xyzw{};
+  std::array<float, 3> three{};
+  std::size_t derived = 3;
   if (all.header.version <= 2) {
     for (std::size_t k = 0; k < 3; ++k) {
-      xyzw[k] = static_cast<float>(bytes[3 * i + k]) / 127.5f - 1.0f;
+      three[k] = static_cast<float>(bytes[3 * i + k]) / 127.5f - 1.0f;
     }
-  }
-  std::size_t derived = 3;
-  if (all.header.version > 2) {
+  } else {
     // The index of the largest component, and of the others sign and 9 bits, the last one lowest.
     constexpr std::uint32_t kMost = (1u << 9u) - 1u;
     std::uint32_t packed = u32At(bytes, 4 * i);
     derived = packed >> 30u;
-    for (std::size_t k = 4; k-- > 0;) {
-      if (k == derived) continue;
+    for (std::size_t k = 3; k-- > 0; packed >>= 10u) {
       const float size = static_cast<float>(packed & kMost) / static_cast<float>(kMost) /
                          std::numbers::sqrt2_v<float>;
-      xyzw[k] = (packed >> 9u & 1u) != 0 ? -size : size;
-      packed >>= 10u;
+      three[k] = (packed >> 9u & 1u) != 0 ? -size : size;
     }
   }
-  float sum = 0.0f;
-  for (std::size_t k = 0; k < 4; ++k) sum += k == derived ? 0.0f : xyzw[k] * xyzw[k];
-  xyzw[derived] = std::sqrt(std::max(0.0f, 1.0f - sum));
+  const auto xyzw = quaternionOf(three, derived);
   return {xyzw[0], xyzw[1], xyzw[2], xyzw[3]};
 }
 
@@ -252,7 +247,7 @@ GaussianFile readSpz(const FileBytes& bytes) {
     }
     collector.append(gaussianOf(all, i), harmonics);
   }
-  collector.finish(bytes.name());
+  finishGaussians(file, bytes.name());
   if (const glm::mat3 axes = axesOf(all); axes != glm::mat3(1.0f)) {
     transform(file.cloud, axes, glm::vec3(0.0f));
   }

@@ -4,7 +4,6 @@
 // header, the mark says that this colour holds, and red is in the low bits of the others.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include "base/mapped_file.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/mesh_builder.h"
@@ -55,9 +55,7 @@ class StlMesh {
   }
 
   bool startsText() const {
-    std::string word(withoutBlanks(withoutByteOrderMark(text_)).substr(0, 5));
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return word == "solid";
+    return lowered(withoutBlanks(withoutByteOrderMark(text_)).substr(0, 5)) == "solid";
   }
 
   void readBinary(std::uint64_t triangles, std::uint64_t stated) {
@@ -113,9 +111,7 @@ class StlMesh {
     at_ = text_.size() - left.size();
     const std::size_t length = std::min(left.find_first_of(" \t\r\n"), left.size());
     at_ += length;
-    word_.assign(left.substr(0, length));
-    for (char& c : word_) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return word_;
+    return word_ = lowered(left.substr(0, length));
   }
 
   std::string_view restOfLine() {

@@ -1,9 +1,7 @@
-#include "render/scene/io/text_points.h"
+#include "render/scene/io/point_formats.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -14,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
@@ -81,26 +80,23 @@ std::string_view decimalComma(std::string_view line) {
   return {};
 }
 
-/// A number, "nan" and "inf" among them.
-std::optional<double> numberOf(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (end != word.data() + word.size() || error == std::errc::invalid_argument) return std::nullopt;
-  return error == std::errc() ? value : HUGE_VAL;  // too small a number is as useless as too large
-}
-
 bool isComment(std::string_view line) { return line.starts_with('#') || line.starts_with("//"); }
 
-/// A column's name in lower case, and the unit behind it in brackets: X [m], x(mm).
+/// A column's name in lower case, and the unit behind it: X [m], x(mm), y_ft.
 struct ColumnName {
   std::string name, unit;
 };
 
-std::string loweredAndTrimmed(std::string_view text) {
-  std::string lower(trimmed(text));
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
+/// Metres, of a unit in brackets.
+std::optional<double> metresOf(std::string_view unit) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"m", 1.0},      {"metre", 1.0},   {"meter", 1.0}, {"metres", 1.0},
+      {"meters", 1.0}, {"mm", 0.001},    {"cm", 0.01},   {"km", 1000.0},
+      {"ft", 0.3048},  {"feet", 0.3048}, {"in", 0.0254}};
+  for (const auto& [name, metres] : kUnits) {
+    if (name == unit) return metres;
+  }
+  return std::nullopt;
 }
 
 /// The columns that a line names. Blanks do not end a name if another mark does: "X [m];Y [m]".
@@ -110,35 +106,18 @@ std::vector<ColumnName> namesIn(std::string_view line) {
   splitInto(words, line, by_blanks ? " " : ",;\t");
   std::vector<ColumnName> names;
   for (const std::string_view word : words) {
-    const std::size_t open = std::min(word.find_first_of("[("), word.size());
+    std::size_t open = std::min(word.find_first_of("[("), word.size());
+    if (word.size() > 2 && word[1] == '_' && metresOf(lowered(word.substr(2)))) open = 1;
     const std::size_t close = std::min(word.find_first_of("])", open), word.size());
     const std::string unit =
-        open < close ? loweredAndTrimmed(word.substr(open + 1, close - open - 1)) : "";
+        open < close ? lowered(trimmed(word.substr(open + 1, close - open - 1))) : "";
     if (by_blanks && open == 0 && !names.empty()) {
       names.back().unit = unit;
     } else {
-      names.push_back({loweredAndTrimmed(word.substr(0, open)), unit});
+      names.push_back({lowered(trimmed(word.substr(0, open))), unit});
     }
   }
   return names;
-}
-
-/// Metres, of a unit in brackets.
-std::optional<double> metresOf(std::string_view unit) {
-  static constexpr std::array<std::pair<std::string_view, double>, 11> kUnits = {{{"m", 1.0},
-                                                                                  {"metre", 1.0},
-                                                                                  {"meter", 1.0},
-                                                                                  {"metres", 1.0},
-                                                                                  {"meters", 1.0},
-                                                                                  {"mm", 0.001},
-                                                                                  {"cm", 0.01},
-                                                                                  {"km", 1000.0},
-                                                                                  {"ft", 0.3048},
-                                                                                  {"feet", 0.3048},
-                                                                                  {"in", 0.0254}}};
-  const auto* const found = std::find_if(kUnits.begin(), kUnits.end(),
-                                         [&](const auto& each) { return each.first == unit; });
-  return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }
 
 /// Whether a line names a longitude and a latitude.
@@ -173,7 +152,8 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   for (const int column : columns.position) {
     if (unitOf(column) != columns.unit_m) columns.unit_m.reset();
   }
-  const Three color = {columnOf({"r", "red"}), columnOf({"g", "green"}), columnOf({"b", "blue"})};
+  const Three color = {columnOf({"r", "red", "rf"}), columnOf({"g", "green", "gf"}),
+                       columnOf({"b", "blue", "bf"})};
   const Three normal = {columnOf({"nx"}), columnOf({"ny"}), columnOf({"nz"})};
   std::size_t triples = 0;
   for (const Three& three : {color, normal}) {
@@ -221,9 +201,7 @@ struct Triples {
 
 class TextPointsReader {
  public:
-  /// @param keyword  of the lines that are points; empty: all are
-  explicit TextPointsReader(const std::filesystem::path& path, std::string_view keyword = {})
-      : input_(path), keyword_(keyword) {
+  explicit TextPointsReader(const std::filesystem::path& path) : input_(path) {
     // COLMAP's names stand in comments, which other programs leave out.
     if (path.stem() == "points3D") name(columnsNamed(kColmapNames));
   }
@@ -239,13 +217,10 @@ class TextPointsReader {
       throw InputError(where(), "ends after " + std::to_string(rows_) + " of " +
                                     std::to_string(*counted_) + " points");
     }
-    if (points_.size() == 0) {
-      throw InputError(input_.name(), uncertain_ > 0 ? "none of its points is certain enough"
-                                      : points_.dropped == 0
-                                          ? "has no points"
-                                          : "none of its points has a finite position");
+    if (points_.size() == 0 && uncertain_ > 0) {
+      throw InputError(input_.name(), "none of its points is certain enough");
     }
-    positions_.finish();
+    positions_.finish(input_.name());
     finishColumns();
     takeStatements();
     return std::move(points_);
@@ -259,12 +234,6 @@ class TextPointsReader {
     if (comment) line.remove_prefix(std::min(line.find_first_not_of("#/ \t"), line.size()));
     splitInto(words_, line);
     if (words_.empty()) return;
-    if (!keyword_.empty()) {
-      if (comment || words_[0] != keyword_) return;
-      words_.erase(words_.begin());
-      takeVertex();
-      return;
-    }
     if (words_.size() > kMaxColumns && !(columns_ && columns_->more)) {
       throw InputError(where(), "has more than " + std::to_string(kMaxColumns) + " columns");
     }
@@ -287,17 +256,6 @@ class TextPointsReader {
                        shown(word) +
                            " is a number with a decimal comma, or two columns: write "
                            "decimal points (sed 's/,/./g'), or separate all columns alike");
-    }
-    takeRow();
-  }
-
-  /// x y z, a weight or not, and a colour or not.
-  void takeVertex() {
-    if (!columns_) {
-      TextColumns columns{.count = words_.size(), .format = "OBJ points"};
-      const int first = words_.size() == 7 ? 4 : 3;
-      if (words_.size() >= 6) columns.triples[0] = {first, first + 1, first + 2};
-      columns_ = columns;
     }
     takeRow();
   }
@@ -400,7 +358,7 @@ class TextPointsReader {
         points_.remarks.push_back("the columns of colour or normal are all 0: left out");
         continue;
       }
-      if (keyword_.empty() && triple.isNormal()) {
+      if (triple.isNormal()) {
         if (!points_.normal.empty()) continue;
         for (glm::vec3& n : triple.values) {
           if (n != glm::vec3(0.0f)) n = glm::normalize(n);
@@ -431,7 +389,6 @@ class TextPointsReader {
   }
 
   ply::Input input_;
-  std::string keyword_;
   PointCloud points_;
   ScanPositions positions_{points_};
   std::uint64_t line_ = 0, rows_ = 0;
@@ -471,28 +428,6 @@ bool startsWithPoints(const std::filesystem::path& path) {
 
 PointCloud readTextPoints(const std::filesystem::path& path) {
   return TextPointsReader(path).read();
-}
-
-std::optional<PointCloud> readObjPoints(const std::filesystem::path& path) {
-  ply::Input input(path);
-  bool has_vertices = false;
-  std::size_t lines = 0;
-  while (input.remaining() > 0) {
-    const std::string_view line = trimmed(withoutByteOrderMark(input.line()));
-    const auto begins = [&](char c) {
-      return line.size() > 1 && line[0] == c && (line[1] == ' ' || line[1] == '\t');
-    };
-    if (begins('f')) return std::nullopt;
-    has_vertices = has_vertices || begins('v');
-    lines += begins('l') ? 1 : 0;
-  }
-  if (!has_vertices) return std::nullopt;
-  PointCloud points = TextPointsReader(path, "v").read();
-  if (lines > 0) {
-    points.remarks.push_back(counted(lines, "line") +
-                             " left out: the vertices are shown as points");
-  }
-  return points;
 }
 
 }  // namespace foci

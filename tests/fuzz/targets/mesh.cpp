@@ -1,5 +1,5 @@
 // Meshes. The first byte chooses the format.
-#include "render/scene/io/mesh.h"
+#include "render/scene/io/open_scene.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "tests/fuzz/harness.h"
 
@@ -12,7 +12,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
                                     "input.glb", "input.ply", "input.fbx"};
   const auto file = foci::fuzz::asFile(kNames[bytes[0] % 6], bytes + 1, size - 1);
   foci::fuzz::readWithinLimits(size, [&] {
-    if (foci::isMeshFile(file)) foci::sampleMesh(foci::readMesh(file).mesh, file, {.points = 1000});
+    const foci::SceneFile scene = foci::readScene(file);
+    const auto* const mesh = std::get_if<foci::MeshFile>(&scene.content);
+    if (mesh != nullptr) foci::sampleMesh(mesh->mesh, file, {.points = 1000});
   });
   return 0;
 }

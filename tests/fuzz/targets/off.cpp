@@ -1,5 +1,5 @@
 // OFF meshes and points.
-#include "render/scene/io/off.h"
+#include "render/scene/io/point_formats.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

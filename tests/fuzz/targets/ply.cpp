@@ -1,13 +1,15 @@
 // PLY point clouds, up to surfels. Files with faces are meshes, and sampling them would take too
 // long; mesh.cpp reads them.
-#include "render/scene/io/mesh.h"
 #include "render/scene/io/open_scene.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const auto file = foci::fuzz::asFile("input.ply", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] {
-    if (!foci::isMeshFile(file)) foci::openScene(file, 1.0, {});
+    foci::SceneFile scene = foci::readScene(file);
+    if (!std::holds_alternative<foci::MeshFile>(scene.content)) {
+      foci::openScene(std::move(scene), 1.0, {});
+    }
   });
   return 0;
 }

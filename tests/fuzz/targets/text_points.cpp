@@ -1,5 +1,5 @@
 // Points as text. The first byte chooses the extension.
-#include "render/scene/io/text_points.h"
+#include "render/scene/io/point_formats.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

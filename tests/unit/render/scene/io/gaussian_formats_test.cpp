@@ -504,7 +504,7 @@ TEST(GaussianFormats, CoordinatesOfAMapKeepTheirDetail) {
   const GaussianFile fine = read("double"), coarse = read("float");
   EXPECT_NEAR(fine.cloud.position_m[0].x, 0.001f, 1e-7f);
   EXPECT_NEAR(fine.cloud.position_m[1].x, 0.002f, 1e-7f);
-  EXPECT_EQ(fine.remarks, (std::vector<std::string>{"positions are relative to 5e+05 0 0 of the "
+  EXPECT_EQ(fine.remarks, (std::vector<std::string>{"positions are relative to 500000 0 0 of the "
                                                     "file, to keep their millimetres"}));
   ASSERT_EQ(coarse.remarks.size(), 1u);
   EXPECT_NE(coarse.remarks[0].find("floats lose their detail"), std::string::npos);

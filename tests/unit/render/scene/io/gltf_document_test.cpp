@@ -8,8 +8,8 @@
 #include <string>
 
 #include "base/input_error.h"
-#include "render/scene/io/mesh.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/input_error.h"
-#include "render/scene/io/mesh.h"
 #include "render/scene/mesh/triangle_mesh.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/scene/io/las.h"
+#include "render/scene/io/point_formats.h"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "render/scene/io/mesh.h"
 #include "render/scene/mesh/triangle_mesh.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
 namespace {

@@ -10,11 +10,11 @@
 
 #include "base/input_error.h"
 #include "render/image/srgb.h"
-#include "render/scene/io/mesh.h"
 #include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/open_scene.h"
-#include "render/scene/io/text_points.h"
+#include "render/scene/io/point_formats.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
 namespace {

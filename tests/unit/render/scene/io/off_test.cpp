@@ -1,4 +1,4 @@
-#include "render/scene/io/off.h"
+#include "render/scene/io/point_formats.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // PCD in its three forms, with the values of one point cloud.
-#include "render/scene/io/pcd.h"
+#include "render/scene/io/point_formats.h"
 
 #include <gtest/gtest.h>
 

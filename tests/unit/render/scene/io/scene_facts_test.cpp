@@ -8,10 +8,10 @@
 
 #include "base/input_error.h"
 #include "render/scene/io/foci_file.h"
-#include "render/scene/io/mesh.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
 namespace {

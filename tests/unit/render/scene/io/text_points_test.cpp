@@ -1,4 +1,4 @@
-#include "render/scene/io/text_points.h"
+#include "render/scene/io/point_formats.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 
 #include "base/input_error.h"
 #include "render/image/srgb.h"
+#include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/open_scene.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/render/scene/io/gaussian_files.h"
@@ -223,11 +224,12 @@ TEST_F(TextPoints, AnObjMayHoldPointsOnly) {
   EXPECT_FLOAT_EQ(points.color[1].b, linearFromSrgb(0.5f));
   EXPECT_TRUE(points.normal.empty());
   EXPECT_EQ(nameOf(factsOf(scene)), "OBJ points");
-  EXPECT_EQ(readObjPoints(scratch.write("q.obj", "v 1 2 3\nv 2 3 4\n"))->size(), 2u);
+  EXPECT_EQ(std::get<PointCloud>(readObj(scratch.write("q.obj", "v 1 2 3\nv 2 3 4\n"))).size(), 2u);
   EXPECT_TRUE(points.remarks.empty());
-  const auto lines = readObjPoints(scratch.write("l.obj", "v 1 2 3\nv 2 3 4\nl 1 2\n"));
-  ASSERT_EQ(lines->remarks.size(), 1u);
-  EXPECT_TRUE(has(lines->remarks[0], "1 line left out"));
+  const auto lines =
+      std::get<PointCloud>(readObj(scratch.write("l.obj", "v 1 2 3\nv 2 3 4\nl 1 2\n")));
+  ASSERT_EQ(lines.remarks.size(), 1u);
+  EXPECT_TRUE(has(lines.remarks[0], "1 line left out"));
 }
 
 TEST_F(TextPoints, PointsOfColmapMayBeBinary) {
