@@ -55,11 +55,16 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   if (!gaze_px && !settings.focus.fixed_D) gaze_px = session.middleSurface_px(0.0);
   // Sparse points and faint Gaussians fill the cone nowhere: less of a wider one is enough.
   constexpr double kLeastCoverage = 0.002, kWide_deg = 2.0;
+  const bool sparse = !gaze_px;
   while (!gaze_px && !settings.focus.fixed_D && settings.focus.coverage > kLeastCoverage) {
     settings.focus.coverage *= 0.25;
     settings.focus.cone_half_angle_deg = std::max(settings.focus.cone_half_angle_deg, kWide_deg);
     session.changeSettings(settings);
     gaze_px = session.middleSurface_px(0.0);
+  }
+  if (sparse && gaze_px) {  // the front of what is there
+    settings.focus.coverage *= 0.25;
+    session.changeSettings(settings);
   }
   if (!request.gaze_px && gaze_px && *gaze_px != middle_px) {
     say("nothing is in the middle: the eye looks at the nearest surface around it, at " +

@@ -27,13 +27,31 @@ T loadAt(std::span<const unsigned char> bytes, std::size_t at) {
   return value;
 }
 
+/// The whole content of a gzip file.
+std::vector<unsigned char> unpackedGzip(const std::string& name,
+                                        std::span<const unsigned char> packed) {
+  Gunzip stream(name, packed);
+  MemoryBudget budget(name, packed.size());
+  std::vector<unsigned char> all;
+  for (;;) {
+    budget.take(kPart, 2, "its content");
+    const std::vector<unsigned char> part = stream.next(kPart);
+    all.insert(all.end(), part.begin(), part.end());
+    if (part.empty()) return all;
+  }
+}
+
 }  // namespace
 
-FileBytes::FileBytes(const std::filesystem::path& path) : name_(path.string()) {
+FileBytes::FileBytes(const std::filesystem::path& path, bool unpacks_gzip) : name_(path.string()) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(name_, "no such file");
   file_ = std::make_unique<const MappedFile>(path);
   bytes_ = file_->bytes();
+  if (!unpacks_gzip || !isGzip(bytes_)) return;
+  unpacked_ = unpackedGzip(name_, bytes_);
+  bytes_ = unpacked_;
+  file_.reset();
 }
 
 std::span<const unsigned char> FileBytes::part(std::uint64_t at, std::uint64_t count) const {
@@ -42,6 +60,10 @@ std::span<const unsigned char> FileBytes::part(std::uint64_t at, std::uint64_t c
         name_, "ends at byte " + std::to_string(bytes_.size()) + ", earlier than its header says");
   }
   return bytes_.subspan(at, count);
+}
+
+void FileBytes::release(std::uint64_t at, std::uint64_t count) const {
+  if (file_) releasePages(part(at, count));
 }
 
 std::vector<unsigned char> firstBytes(const std::filesystem::path& path, std::size_t count) {
@@ -117,18 +139,6 @@ std::vector<unsigned char> Gunzip::take(std::size_t count) {
   if (bytes.size() == count) return bytes;
   next(1);  // throws if the stream is damaged
   throw InputError(name_, "is damaged: its gzip stream is shorter than its header says");
-}
-
-std::vector<unsigned char> unpackedGzip(const FileBytes& file) {
-  Gunzip stream(file.name(), file.all());
-  MemoryBudget budget(file.name(), file.size());
-  std::vector<unsigned char> all;
-  for (;;) {
-    budget.take(kPart, 2, "its content");
-    const std::vector<unsigned char> part = stream.next(kPart);
-    all.insert(all.end(), part.begin(), part.end());
-    if (part.empty()) return all;
-  }
 }
 
 }  // namespace foci

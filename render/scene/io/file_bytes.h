@@ -20,8 +20,9 @@ namespace foci {
 /// A whole file, mapped into memory. Little endian.
 class FileBytes {
  public:
-  /// @throws InputError if there is no readable regular file
-  explicit FileBytes(const std::filesystem::path& path);
+  /// @param unpacks_gzip  the bytes are those that a gzip file holds
+  /// @throws InputError if there is no readable regular file, or it cannot be unpacked
+  explicit FileBytes(const std::filesystem::path& path, bool unpacks_gzip = false);
   /// Bytes that were unpacked from the file of this name.
   FileBytes(std::string name, std::vector<unsigned char> bytes)
       : name_(std::move(name)), unpacked_(std::move(bytes)), bytes_(unpacked_) {}
@@ -34,6 +35,9 @@ class FileBytes {
 
   /// The part [at, at + count). @throws InputError if the file is shorter
   std::span<const unsigned char> part(std::uint64_t at, std::uint64_t count) const;
+
+  /// Frees the memory of such a part, which can still be read.
+  void release(std::uint64_t at, std::uint64_t count) const;
 
  private:
   std::string name_;
@@ -77,8 +81,5 @@ class Gunzip {
   std::unique_ptr<z_stream_s> stream_;
   bool ended_ = false;
 };
-
-/// The whole content of a gzip file. @throws InputError
-std::vector<unsigned char> unpackedGzip(const FileBytes& file);
 
 }  // namespace foci

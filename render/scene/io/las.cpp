@@ -16,7 +16,6 @@
 #include "render/image/srgb.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/las_coordinates.h"
-#include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
 
 namespace foci {
@@ -62,31 +61,17 @@ std::string_view textOf(std::span<const unsigned char> bytes) {
   return text.substr(0, text.find('\0'));
 }
 
-constexpr std::size_t kUserAt = 2, kNumberAt = 18, kLengthAt = 20;
-constexpr std::size_t kRecordHeader = 54, kLateRecordHeader = 60;
-
-/// The records up to where the points begin.
-void readRecords(ply::Input& input, std::uint32_t count, std::uint64_t end, LasRecords& records) {
-  for (std::uint32_t i = 0; i < count && input.offset() + kRecordHeader <= end; ++i) {
-    const std::span<const unsigned char> header(input.take(kRecordHeader), kRecordHeader);
-    const std::string user(textOf(header.subspan(kUserAt, kNumberAt - kUserAt)));
-    const unsigned number = u16At(header, kNumberAt);
-    const std::size_t length = u16At(header, kLengthAt);
-    if (input.offset() + length > end) return;
-    records.take(user, number, {input.take(length), length});
-  }
-}
-
-/// The records of version 1.4 behind the points, of a file that is not packed.
-void readLateRecords(const std::string& path, std::uint64_t at, std::uint32_t count,
-                     LasRecords& records) {
-  const FileBytes file{std::filesystem::path(path)};
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (at > file.size() || file.size() - at < kLateRecordHeader) return;
-    const auto header = file.part(at, kLateRecordHeader);
-    const std::uint64_t length = u64At(header, kLengthAt);
-    at += kLateRecordHeader;
-    if (length > file.size() - at) return;
+/// @param at, end  of the records
+/// @param late     they lie behind the points, as in version 1.4
+void readRecords(const FileBytes& file, std::uint64_t at, std::uint64_t end, std::uint32_t count,
+                 bool late, LasRecords& records) {
+  constexpr std::size_t kUserAt = 2, kNumberAt = 18, kLengthAt = 20;
+  const std::uint64_t head = late ? 60 : 54;
+  for (std::uint32_t i = 0; i < count && at <= end && end - at >= head; ++i) {
+    const auto header = file.part(at, head);
+    const std::uint64_t length = late ? u64At(header, kLengthAt) : u16At(header, kLengthAt);
+    at += head;
+    if (length > end - at) return;
     records.take(textOf(header.subspan(kUserAt, kNumberAt - kUserAt)), u16At(header, kNumberAt),
                  file.part(at, length));
     at += length;
@@ -109,11 +94,10 @@ glm::dvec3 vectorAt(std::span<const unsigned char> bytes, std::size_t at) {
   return {doubleAt(bytes, at), doubleAt(bytes, at + 8), doubleAt(bytes, at + 16)};
 }
 
-LasHeader readLasHeader(ply::Input& input) {
-  const auto refuse = [&](const std::string& what) -> InputError { return {input.name(), what}; };
-  if (input.remaining() < kHeader) throw refuse("is no LAS file: shorter than its header");
-  std::array<unsigned char, kHeader14> raw{};
-  std::copy_n(input.take(kHeader), kHeader, raw.begin());
+LasHeader readLasHeader(const FileBytes& file) {
+  const auto refuse = [&](const std::string& what) -> InputError { return {file.name(), what}; };
+  if (file.size() < kHeader) throw refuse("is no LAS file: shorter than its header");
+  const auto raw = file.all();
   if (textOf(raw).substr(0, 4) != "LASF") {
     throw refuse("is no LAS file: expected LASF in its first bytes");
   }
@@ -143,25 +127,25 @@ LasHeader readLasHeader(ply::Input& input) {
   header.scale = vectorAt(raw, 131);
   header.offset = vectorAt(raw, 155);
   if (minor == 4) {
-    if (input.remaining() < kHeader14 - kHeader) throw refuse("ends in its header");
-    std::copy_n(input.take(kHeader14 - kHeader), kHeader14 - kHeader, raw.begin() + kHeader);
+    if (file.size() < kHeader14) throw refuse("ends in its header");
     header.points = std::max(header.points, u64At(raw, 247));
   }
-  if (header.data_at < input.offset() || header.data_at - input.offset() > input.remaining()) {
+  const std::uint64_t fixed = minor == 4 ? kHeader14 : kHeader;
+  if (header.data_at < fixed || header.data_at > file.size()) {
     throw refuse("says that its points begin at byte " + std::to_string(header.data_at) +
                  ", which is not behind its header");
   }
   LasRecords records;
   const std::uint64_t header_bytes = u16At(raw, 94);
-  if (header_bytes >= input.offset() && header_bytes <= header.data_at) {
-    input.skip(header_bytes - input.offset());
-    readRecords(input, u32At(raw, 100), header.data_at, records);
+  if (header_bytes >= fixed) {
+    readRecords(file, header_bytes, header.data_at, u32At(raw, 100), false, records);
   }
-  if (minor == 4) readLateRecords(input.name(), u64At(raw, 235), u32At(raw, 243), records);
+  if (minor == 4) {
+    readRecords(file, u64At(raw, 235), file.size(), u32At(raw, 243), true, records);
+  }
   constexpr unsigned kEncodingAt = 6, kWkt = 1u << 4u;
   header.coordinates = coordinatesOf(records, (u16At(raw, kEncodingAt) & kWkt) != 0);
-  input.skip(header.data_at - input.offset());
-  const std::uint64_t room = input.remaining() / header.record_bytes;
+  const std::uint64_t room = (file.size() - header.data_at) / header.record_bytes;
   if (header.points > room) {
     throw refuse("says that it has " + std::to_string(header.points) +
                  " points: the file has room for at most " + std::to_string(room));
@@ -237,8 +221,8 @@ glm::vec3 linearOfCodes(const std::array<std::uint16_t, 3>& codes, float white) 
 }  // namespace
 
 PointCloud readLas(const std::filesystem::path& path) {
-  ply::Input input(path);
-  const LasHeader header = readLasHeader(input);
+  const FileBytes file(path, /*unpacks_gzip=*/true);
+  const LasHeader header = readLasHeader(file);
   PointCloud points;
   points.position_m.reserve(header.points);
   std::vector<std::array<std::uint16_t, 3>> codes;
@@ -250,8 +234,8 @@ PointCloud readLas(const std::filesystem::path& path) {
   ScanPositions positions(points);
   std::uint16_t brightest = 0;
   for (std::uint64_t i = 0; i < header.points; ++i) {
-    const std::span<const unsigned char> record(input.take(header.record_bytes),
-                                                header.record_bytes);
+    const auto record =
+        file.all().subspan(header.data_at + i * header.record_bytes, header.record_bytes);
     const glm::dvec3 steps(static_cast<std::int32_t>(u32At(record, 0)),
                            static_cast<std::int32_t>(u32At(record, 4)),
                            static_cast<std::int32_t>(u32At(record, 8)));
@@ -262,7 +246,7 @@ PointCloud readLas(const std::filesystem::path& path) {
     codes.push_back({u16At(record, at), u16At(record, at + 2), u16At(record, at + 4)});
     brightest = std::max({brightest, codes.back()[0], codes.back()[1], codes.back()[2]});
   }
-  positions.finish(input.name());
+  positions.finish(file.name());
   places.finish();
   if (has_color && brightest > 0) {
     const float white = brightest > 255 ? 65535.0f : 255.0f;

@@ -41,28 +41,24 @@ std::vector<std::string> uniqueNames(const std::vector<std::string>& names) {
   return unique;
 }
 
-/// Adds a remark if the parts of a mesh lie so far apart that each is small in view: hardly any of
-/// equal steps across the mesh have a triangle.
+/// Adds a remark if the connected parts of a mesh lie so far apart that each is small in view.
 void remarkFarApart(TriangleMesh& mesh) {
-  constexpr std::size_t kSteps = 1024, kFewest = kSteps / 32;  // chosen by hand
-  const auto [low, high] = boxOf(mesh.corners_m);
-  const glm::vec3 size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const float first = low[axis], scale = static_cast<float>(kSteps - 1) / size[axis];
-  std::array<bool, kSteps> filled{};
-  for (std::size_t i = 0; i < mesh.corners_m.size(); i += 3) {
-    const auto [least, greatest] = std::minmax(
-        {mesh.corners_m[i][axis], mesh.corners_m[i + 1][axis], mesh.corners_m[i + 2][axis]});
-    const auto from = static_cast<std::size_t>((least - first) * scale),
-               to = static_cast<std::size_t>((greatest - first) * scale);
-    std::fill(filled.begin() + static_cast<std::ptrdiff_t>(from),
-              filled.begin() + static_cast<std::ptrdiff_t>(std::min(to, kSteps - 1) + 1), true);
+  constexpr float kFar = 32.0f;  // chosen by hand
+  using Box = std::pair<glm::vec3, glm::vec3>;
+  std::vector<Box> parts(mesh.surface.empty() ? 0 : 1 + *std::ranges::max_element(mesh.surface),
+                         Box(glm::vec3(kFarthest_m), glm::vec3(-kFarthest_m)));
+  for (std::size_t i = 0; i < 3 * mesh.surface.size(); ++i) {
+    auto& [low, high] = parts[mesh.surface[i / 3]];
+    low = glm::min(low, mesh.corners_m[i]);
+    high = glm::max(high, mesh.corners_m[i]);
   }
-  const auto count = static_cast<std::size_t>(std::ranges::count(filled, true));
-  if (count >= kFewest) return;
-  mesh.remarks.push_back("its parts lie far apart, and fill " +
-                         significant(100.0 * static_cast<double>(count) / kSteps, 2) +
-                         " % of its extent: is one of them in another unit, or out of place?");
+  float sizes = 0.0f;
+  for (const auto& [low, high] : parts) sizes += glm::length(high - low);
+  const auto [low, high] = boxOf(mesh.corners_m);
+  if (glm::length(high - low) <= kFar * sizes) return;
+  mesh.remarks.push_back("its " + counted(parts.size(), "part") +
+                         " lie so far apart that each is small in view: is one in another unit, "
+                         "or out of place?");
 }
 
 }  // namespace

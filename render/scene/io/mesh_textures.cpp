@@ -32,11 +32,7 @@ std::vector<unsigned char> imageBytes(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string keyOf(const ImageSource& source) {
-  return source.file ? source.file->string() : source.name;
-}
-
-/// See `MeshTextures::readMask`.
+/// See `MeshTextures::read`.
 cv::Mat maskOf(const cv::Mat& image) {
   cv::Mat alpha;
   if (image.channels() == 4) {
@@ -58,19 +54,14 @@ cv::Mat maskOf(const cv::Mat& image) {
 
 }  // namespace
 
-std::shared_ptr<const MeshTexture> MeshTextures::read(const ImageSource& source) {
-  const auto [at, is_new] = textures_.try_emplace(keyOf(source));
+std::shared_ptr<const MeshTexture> MeshTextures::read(const ImageSource& source, bool as_mask) {
+  const auto [at, is_new] =
+      textures_.try_emplace(std::pair(source.file ? source.file->string() : source.name, as_mask));
   if (!is_new) return at->second;
-  const cv::Mat read = image(source, "the colour of its material is shown");
-  if (!read.empty()) at->second = std::make_shared<const MeshTexture>(read);
-  return at->second;
-}
-
-std::shared_ptr<const MeshTexture> MeshTextures::readMask(const ImageSource& source) {
-  const auto [at, is_new] = masks_.try_emplace(keyOf(source));
-  if (!is_new) return at->second;
-  const cv::Mat read = image(source, "its material is shown without holes");
-  if (!read.empty()) at->second = std::make_shared<const MeshTexture>(maskOf(read));
+  const cv::Mat read = image(source, as_mask ? "its material is shown without holes"
+                                             : "the colour of its material is shown");
+  if (!read.empty())
+    at->second = std::make_shared<const MeshTexture>(as_mask ? maskOf(read) : read);
   return at->second;
 }
 

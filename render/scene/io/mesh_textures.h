@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/memory_budget.h"
@@ -30,23 +31,21 @@ class MeshTextures {
   explicit MeshTextures(const std::filesystem::path& mesh) : budget_(mesh) {}
 
   /// Null, with a remark, if it cannot be read or has more than kMaxImagePixels.
+  /// @param as_mask  of opacity: white, with an alpha. This is the image's own alpha if it has one
+  ///                 that varies, as exporters name the texture of the colour twice; else its grey
   /// @throws InputError if the file is a pipe or a device, or if all textures take too much memory
-  std::shared_ptr<const MeshTexture> read(const ImageSource& source);
-
-  /// A mask of opacity: white, with an alpha. This is the image's own alpha if it has one that
-  /// varies, as exporters name the texture of the colour twice; else its grey value. As `read`.
-  std::shared_ptr<const MeshTexture> readMask(const ImageSource& source);
+  std::shared_ptr<const MeshTexture> read(const ImageSource& source, bool as_mask = false);
 
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
-  /// Empty, with a remark that ends with `instead`, as `read`.
+  /// Empty, with a remark that ends with `instead`.
   cv::Mat image(const ImageSource& source, const char* instead);
   cv::Mat decoded(std::span<const unsigned char> bytes);
 
   MemoryBudget budget_;
   std::vector<std::string> remarks_;
-  std::map<std::string, std::shared_ptr<const MeshTexture>> textures_, masks_;
+  std::map<std::pair<std::string, bool>, std::shared_ptr<const MeshTexture>> textures_;
 };
 
 /// What `foci info` says of a texture.

@@ -175,7 +175,7 @@ class ObjMesh {
     const float opacity = from->opacity.value_or(1.0f - transparency);
     material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;
     read.facts->opacity = material.opacity;
-    if (from->mask) material.mask = builder_.textures().readMask(from->mask->source);
+    if (from->mask) material.mask = builder_.textures().read(from->mask->source, /*as_mask=*/true);
     if (const auto& texture = glows ? from->emission : from->color) {
       read.facts->textures = {factsOf(texture->source)};
       material.texture = builder_.textures().read(texture->source);

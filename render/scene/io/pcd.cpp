@@ -186,14 +186,8 @@ std::vector<unsigned char> unpackedRecords(ply::Input& input, const PcdHeader& h
   }
   MemoryBudget budget(input.name(), packed_bytes);
   budget.take(bytes, 2, "its points");
-  std::vector<unsigned char> packed;
-  for (std::uint64_t left = packed_bytes; left > 0;) {
-    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(left, ply::Input::kBlock));
-    const unsigned char* const from = input.take(part);
-    packed.insert(packed.end(), from, from + part);
-    left -= part;
-  }
-  const std::vector<unsigned char> fields = unpackedLzf(packed, bytes);
+  const std::vector<unsigned char> fields =
+      unpackedLzf({input.take(packed_bytes), packed_bytes}, bytes);
   if (fields.size() != bytes)
     throw InputError(input.name(), "is damaged: its points do not unpack");
   std::vector<unsigned char> records(bytes);
@@ -256,7 +250,7 @@ PointCloud readPcd(const std::filesystem::path& path) {
   const std::uint64_t least = pcd.data == "ascii" ? pcd.fields.size() : record;
   // Packed points have some byte for each 264 of theirs, the most that LZF reaches.
   const std::uint64_t room = (input.remaining() + 1) * (pcd.data == "binary_compressed" ? 264 : 1);
-  if (least == 0 || pcd.points > room / least || record > ply::Input::kBlock) {
+  if (least == 0 || pcd.points > room / least) {
     throw InputError(input.name(), "says that it has " + std::to_string(pcd.points) +
                                        " points, more than the file has room for");
   }

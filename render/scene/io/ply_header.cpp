@@ -9,7 +9,6 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "base/words.h"
-#include "render/scene/io/file_bytes.h"
 #include "render/scene/io/ply_items.h"
 
 namespace foci::ply {
@@ -105,69 +104,26 @@ std::size_t sizeOf(Scalar type) {
   return kSize[static_cast<std::size_t>(type)];
 }
 
-Input::Input(const std::filesystem::path& path) : name_(path.string()) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(name_, "no such file");
-  requireRegularFile(path);
-  if (isGzip(firstBytes(path, 2))) {
-    block_ = unpackedGzip(FileBytes(path));
-    size_ = end_ = block_.size();
-    return;
-  }
-  size_ = std::filesystem::file_size(path, error);
-  file_.reset(std::fopen(name_.c_str(), "rb"));
-  if (!file_ || error) throw InputError(name_, "cannot be read");
-  std::setvbuf(file_.get(), nullptr, _IONBF, 0);
-  block_.resize(2 * kBlock);
-}
-
-void Input::fill() {
-  if (!file_) return;  // all is in memory
-  std::memmove(block_.data(), block_.data() + begin_, end_ - begin_);
-  end_ -= begin_;
-  begin_ = 0;
-  end_ += std::fread(block_.data() + end_, 1, block_.size() - end_, file_.get());
-}
-
 const unsigned char* Input::take(std::size_t bytes) {
-  if (end_ - begin_ < bytes) fill();
-  if (end_ - begin_ < bytes) {
-    throw InputError(name_, "ends at byte " + std::to_string(offset_ + (end_ - begin_)) +
-                                ", earlier than its header says");
-  }
-  const unsigned char* const data = block_.data() + begin_;
-  begin_ += bytes;
+  constexpr std::uint64_t kReleased = std::uint64_t{1} << 24;  // bytes at a time
+  const unsigned char* const data = file_.part(offset_, bytes).data();
+  const std::uint64_t done = offset_ / kReleased;
   offset_ += bytes;
+  // What the last call handed out stays in memory.
+  if (done > 0 && offset_ / kReleased > done) file_.release((done - 1) * kReleased, kReleased);
   return data;
 }
 
-void Input::skip(std::uint64_t bytes) {
-  while (bytes > 0) {
-    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kBlock));
-    take(part);
-    bytes -= part;
-  }
-}
-
 std::string_view Input::line() {
-  const auto find = [this] {
-    return static_cast<const unsigned char*>(
-        std::memchr(block_.data() + begin_, '\n', end_ - begin_));
-  };
-  const unsigned char* newline = begin_ < end_ ? find() : nullptr;
-  if (newline == nullptr) {
-    fill();
-    newline = find();
-  }
-  const std::size_t held = end_ - begin_;
-  const auto length =
-      newline != nullptr ? static_cast<std::size_t>(newline - (block_.data() + begin_)) : held;
-  if (length > kBlock) throw InputError(name_, "has a line longer than 1 MiB");
-  const unsigned char* const data =
-      take(newline != nullptr ? length + 1 : std::max<std::size_t>(length, 1));
-  std::string_view text(reinterpret_cast<const char*>(data), length);
-  if (text.ends_with('\r')) text.remove_suffix(1);
-  return text;
+  constexpr std::size_t kLongest = 1 << 20;
+  const auto rest = file_.all().subspan(offset_);
+  const std::string_view ahead(reinterpret_cast<const char*>(rest.data()),
+                               std::min(rest.size(), kLongest + 1));
+  const std::size_t length = std::min(ahead.find('\n'), ahead.size());
+  if (length > kLongest) throw InputError(name(), "has a line longer than 1 MiB");
+  take(std::max<std::size_t>(std::min(length + 1, rest.size()), 1));
+  const std::string_view text = ahead.substr(0, length);
+  return text.ends_with('\r') ? text.substr(0, length - 1) : text;
 }
 
 double scalarAt(const unsigned char* bytes, Scalar type, bool swap) {

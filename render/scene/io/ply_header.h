@@ -4,13 +4,13 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "render/scene/io/file_bytes.h"
 
 namespace foci::ply {
 
@@ -40,42 +40,30 @@ struct Header {
 std::size_t sizeOf(Scalar type);
 inline bool isFloat(Scalar type) { return type == Scalar::float32 || type == Scalar::float64; }
 
-/// A file read front to back through one block of memory; one packed by gzip is unpacked first.
+/// A file read front to back; one packed by gzip is unpacked first.
 class Input {
  public:
   /// @throws InputError if there is no readable regular file
-  explicit Input(const std::filesystem::path& path);
+  explicit Input(const std::filesystem::path& path) : file_(path, /*unpacks_gzip=*/true) {}
   /// Bytes that were unpacked from the file of this name.
   Input(std::string name, std::vector<unsigned char> content)
-      : name_(std::move(name)), size_(content.size()), block_(std::move(content)), end_(size_) {}
+      : file_(std::move(name), std::move(content)) {}
 
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return file_.name(); }
   std::uint64_t offset() const { return offset_; }
-  std::uint64_t remaining() const { return offset_ < size_ ? size_ - offset_ : 0; }
+  std::uint64_t remaining() const { return file_.size() - offset_; }
 
-  /// The next `bytes` bytes, at most kBlock; valid until the next call.
-  /// @throws InputError at the end of the file
+  /// The next `bytes` bytes. @throws InputError at the end of the file
   const unsigned char* take(std::size_t bytes);
-  void skip(std::uint64_t bytes);
+  void skip(std::uint64_t bytes) { take(bytes); }
 
-  /// The next line without its end, `\n` or `\r\n`. Valid until the next call.
-  /// @throws InputError for a line longer than kBlock, or at the end of the file
+  /// The next line without its end, `\n` or `\r\n`.
+  /// @throws InputError for a line longer than 1 MiB, or at the end of the file
   std::string_view line();
 
-  static constexpr std::size_t kBlock = 1 << 20;
-
  private:
-  void fill();
-
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::string name_;
-  std::unique_ptr<std::FILE, Close> file_;
-  std::uint64_t size_ = 0;
+  FileBytes file_;
   std::uint64_t offset_ = 0;  // of the next byte to hand out
-  std::vector<unsigned char> block_;
-  std::size_t begin_ = 0, end_ = 0;  // the unread bytes of block_
 };
 
 /// Reads up to `end_header` and checks every element's count against the remaining bytes. Names of

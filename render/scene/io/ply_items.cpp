@@ -65,9 +65,6 @@ Items::Items(Input& input, Header& header, const Element& element)
     places_.push_back({records_ ? record_bytes_ : i});
     record_bytes_ += sizeOf(element.properties[i].type);
   }
-  if (records_ && record_bytes_ > Input::kBlock) {
-    throw InputError(input.name(), "element " + shown(element.name) + " has items over 1 MiB");
-  }
   row_.resize(element.properties.size());
 }
 
@@ -205,15 +202,11 @@ void Items::readLists() {
     }
     const std::uint64_t length = listLength(input_, property, swap_);
     places_[i] = {lists_.size(), static_cast<std::size_t>(length)};
+    const unsigned char* const from = input_.take(length * bytes);
     lists_.resize(lists_.size() + length);
     double* to = lists_.data() + places_[i].at;
-    const std::uint64_t block = Input::kBlock / bytes;
-    for (std::uint64_t left = length; left > 0; left -= std::min(left, block)) {
-      const std::uint64_t part = std::min(left, block);
-      const unsigned char* from = input_.take(part * bytes);
-      for (std::uint64_t k = 0; k < part; ++k) {
-        *to++ = scalarAt(from + k * bytes, property.type, swap_);
-      }
+    for (std::uint64_t k = 0; k < length; ++k) {
+      *to++ = scalarAt(from + k * bytes, property.type, swap_);
     }
   }
 }

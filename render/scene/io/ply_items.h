@@ -29,7 +29,6 @@ std::vector<std::string> textureNames(const Header& header);
 class Items {
  public:
   /// @param input  behind the header and all elements before this one
-  /// @throws InputError if an item is longer than a block of the input
   Items(Input& input, Header& header, const Element& element);
 
   /// Reads the next item. @return false behind the last one

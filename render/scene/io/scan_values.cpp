@@ -49,9 +49,7 @@ bool ScanPositions::appendInPlace(const glm::dvec3& p) {
 void ScanPositions::finish(const std::string& file) const {
   if (points_.size() == 0) {
     throw InputError(
-        file, points_.dropped == 0
-                  ? "has no points"
-                  : "none of its " + counted(points_.dropped, "point") + " has a finite position");
+        file, points_.dropped == 0 ? "has no points" : "none of its points has a finite position");
   }
   if (!origin_) return;
   if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));

@@ -110,7 +110,7 @@ void remarkLargeMesh(GaussianFile& file) {
   };
   const float times = extentOf(file.mesh->corners_m) / extentOf(file.cloud.position_m);
   if (!(times > kOtherUnit)) return;
-  file.remarks.push_back("the mesh is " + significant(double{times}, 2) +
+  file.remarks.push_back("the mesh is " + thousands(double{times}) +
                          " times as large as the Gaussians beside it: is one of them in another "
                          "unit?");
 }

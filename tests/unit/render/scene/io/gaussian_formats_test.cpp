@@ -251,8 +251,12 @@ TEST(GaussianFormats, MistakesOfExportersAreNamed) {
   EXPECT_EQ(remarks("-3 -3 -3", "2"), "");
   EXPECT_TRUE(has(remarks("-3 -3 -3", "0.9"), "without the logit"));
   const std::string linear = remarks("0.3 0.3 0.3", "2");
-  EXPECT_TRUE(has(linear, "without the logarithm"));
-  EXPECT_TRUE(has(linear, "times as large as the distance to their neighbours")) << linear;
+  EXPECT_TRUE(has(linear, "all scales are positive as if they were stored without the logarithm"));
+  EXPECT_EQ(std::count(linear.begin(), linear.end(), '\n'), 1)
+      << "one remark is enough: " << linear;
+  const std::string both = remarks("0.3 0.3 0.3", "0.9");
+  EXPECT_TRUE(has(both, "all opacities 0 to 1"));
+  EXPECT_EQ(std::count(both.begin(), both.end(), '\n'), 1) << both;
 }
 
 TEST(GaussianFormats, PlyOfDegree4ShowsThree) {

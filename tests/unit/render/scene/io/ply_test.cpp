@@ -146,7 +146,7 @@ TEST_F(PlyTest, RemarksPointsThatAreNotSeen) {
   EXPECT_NE(dark.remarks[0].find("nearly black"), std::string::npos);
   const PointCloud clear = read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 0\n");
   ASSERT_EQ(clear.remarks.size(), 1u);
-  EXPECT_NE(clear.remarks[0].find("opacity of all points is 0"), std::string::npos);
+  EXPECT_NE(clear.remarks[0].find("alpha of all points is 0: shown opaque"), std::string::npos);
   EXPECT_TRUE(read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 9\n").remarks.empty());
 }
 
@@ -276,7 +276,8 @@ TEST_F(PlyTest, RefusesWhatIsNoPointCloud) {
              "end_header\n1 0 0 0\n",
          "is a list");
   expect(ascii + "element vertex 0\n" + xyz + "end_header\n", "no points");
-  expect(ascii + "element vertex 2\n" + xyz + "end_header\nnan 0 0\n0 nan 0\n", "none of its 2");
+  expect(ascii + "element vertex 2\n" + xyz + "end_header\nnan 0 0\n0 nan 0\n",
+         "none of its points");
   expect(ascii + "element vertex 2\n" + xyz + "end_header\n0 0 0\n1.00 1.00\n", ":9: too few");
   expect(ascii + "element vertex 1\n" + xyz + "end_header\n0 0 0 4\n", ":8: too many");
   expect(ascii + "element vertex 1\n" + xyz + "end_header\n0 zero 0\n", ":8: expected a number");
