@@ -37,6 +37,7 @@ constexpr Three kNoThree = {kNone, kNone, kNone};
 struct TextColumns {
   Three position = {0, 1, 2};
   std::array<Three, 2> triples = {kNoThree, kNoThree};  ///< each a colour or a normal
+  std::array<char, 2> kinds = {' ', ' '};  ///< 'c' colour, 'n' normal; else its values tell
   int intensity = kNone;
   std::size_t count = 0;           ///< of numbers in a line
   bool more = false;               ///< any number of values may follow them
@@ -156,8 +157,10 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
                        columnOf({"b", "blue", "bf"})};
   const Three normal = {columnOf({"nx"}), columnOf({"ny"}), columnOf({"nz"})};
   std::size_t triples = 0;
-  for (const Three& three : {color, normal}) {
-    if (std::count(three.begin(), three.end(), kNone) == 0) columns.triples[triples++] = three;
+  for (const auto& [kind, three] : {std::pair('c', color), {'n', normal}}) {
+    if (std::count(three.begin(), three.end(), kNone) > 0) continue;
+    columns.kinds[triples] = kind;
+    columns.triples[triples++] = three;
   }
   columns.intensity = columnOf({"intensity", "i", "reflectance"});
   if (columnOf({"px_world"}) != kNone) {
@@ -352,13 +355,15 @@ class TextPointsReader {
 
   /// Colours and normals from the triples, once all are known.
   void finishColumns() {
-    for (Triples& triple : triples_) {
+    for (std::size_t t = 0; t < triples_.size(); ++t) {
+      Triples& triple = triples_[t];
+      const char kind = columns_->kinds[t];
       if (triple.values.empty()) continue;
       if (!triple.any) {  // an exporter's place for what it did not have
         points_.remarks.push_back("the columns of colour or normal are all 0: left out");
         continue;
       }
-      if (triple.isNormal()) {
+      if (kind == 'n' || (kind == ' ' && triple.isNormal())) {
         if (!points_.normal.empty()) continue;
         for (glm::vec3& n : triple.values) {
           if (n != glm::vec3(0.0f)) n = glm::normalize(n);

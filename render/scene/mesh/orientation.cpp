@@ -24,18 +24,28 @@ constexpr double kHoles = 0.1;
 /// A box that reaches this share of the mesh's size close to the mesh's box is around it all.
 constexpr float kAround = 1e-3f;
 
-/// The edges of all triangles: a number is 2 times the corner that the edge begins at, plus one if
-/// its greater end comes first. Edges along each other lie together. They are known by their hashes
-/// alone: of 2 million triangles, two other edges count as one with a chance of 10^-6.
-std::vector<Hashed> sortedEdges(const TriangleMesh& mesh) {
-  std::vector<Hashed> edges(3 * mesh.size());
-  parallelFor(edges.size(), [&](std::size_t i) {
-    const glm::vec3 a = mesh.corners_m[i], b = mesh.corners_m[i % 3 == 2 ? i - 2 : i + 1];
-    const bool backwards = precedes(b, a);
-    edges[i] = {hashWith(hashWith(0, backwards ? b : a), backwards ? a : b),
-                static_cast<std::uint32_t>(2 * i + backwards)};
+struct Edge {
+  glm::vec3 from, to;  // the lesser end first
+  std::uint32_t triangle;
+  bool forwards;  // along the triangle's winding
+};
+
+/// The edges of all triangles; equal ones lie together.
+std::vector<Edge> sortedEdges(const TriangleMesh& mesh) {
+  std::vector<Edge> edges(3 * mesh.size());
+  parallelFor(mesh.size(), [&](std::size_t t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::vec3 a = mesh.corners_m[3 * t + k], b = mesh.corners_m[3 * t + (k + 1) % 3];
+      const bool forwards = precedes(a, b);
+      edges[3 * t + k] = {forwards ? a : b, forwards ? b : a, static_cast<std::uint32_t>(t),
+                          forwards};
+    }
   });
-  parallelSort(edges.begin(), edges.end());
+  parallelSort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+    if (a.from != b.from) return precedes(a.from, b.from);
+    if (a.to != b.to) return precedes(a.to, b.to);
+    return a.triangle < b.triangle;
+  });
   return edges;
 }
 
@@ -130,20 +140,17 @@ struct OpenEdge {
 
 /// Joins the triangles where two alone share an edge. Adds the other edges to `open`.
 Surfaces connected(const TriangleMesh& mesh, std::vector<OpenEdge>& open) {
-  const std::vector<Hashed> edges = sortedEdges(mesh);
-  const auto triangleOf = [&](std::size_t edge) { return edges[edge].number / 6; };
+  const std::vector<Edge> edges = sortedEdges(mesh);
   Surfaces surfaces(mesh.size());
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
-    while (end < edges.size() && edges[end].hash == edges[i].hash) ++end;
-    if (end - i == 1) {
-      const std::size_t from = edges[i].number / 2, to = from % 3 == 2 ? from - 2 : from + 1;
-      open.push_back({triangleOf(i), glm::distance(mesh.corners_m[from], mesh.corners_m[to])});
-    }
-    for (std::size_t k = i; end - i > 2 && k < end; ++k) open.push_back({triangleOf(k), 0.0});
+    const Edge& edge = edges[i];
+    while (end < edges.size() && edges[end].from == edge.from && edges[end].to == edge.to) ++end;
+    if (end - i == 1) open.push_back({edge.triangle, glm::distance(edge.from, edge.to)});
+    for (std::size_t k = i; end - i > 2 && k < end; ++k) open.push_back({edges[k].triangle, 0.0});
     if (end - i != 2) continue;
-    const bool alike = edges[i].number % 2 != edges[i + 1].number % 2;
-    if (!surfaces.join(triangleOf(i), triangleOf(i + 1), alike)) {
-      open.push_back({triangleOf(i), 0.0});
+    const Edge& other = edges[i + 1];
+    if (!surfaces.join(edge.triangle, other.triangle, edge.forwards != other.forwards)) {
+      open.push_back({edge.triangle, 0.0});
     }
   }
   return surfaces;

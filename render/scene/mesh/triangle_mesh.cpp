@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <tuple>
 
@@ -53,35 +52,33 @@ bool precedes(const glm::vec3& a, const glm::vec3& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
-std::uint64_t hashWith(std::uint64_t hash, const glm::vec3& place) {
-  for (int axis = 0; axis < 3; ++axis) {
-    hash = (hash ^ std::bit_cast<std::uint32_t>(place[axis] + 0.0f)) * 0x9e3779b97f4a7c15;
-    hash ^= hash >> 32;
-  }
-  return hash;
-}
-
 std::size_t dropUseless(TriangleMesh& mesh) {
-  std::vector<Hashed> keys(mesh.size());
-  std::vector<std::uint8_t> useless(mesh.size(), 0);  // 1: without an area, 2: a repeat
+  struct Key {
+    std::array<glm::vec3, 3> corners;
+    std::uint32_t material, triangle;
+  };
+  const auto order = [](const Key& a, const Key& b) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (a.corners[i] != b.corners[i]) return precedes(a.corners[i], b.corners[i]);
+    }
+    return std::tie(a.material, a.triangle) < std::tie(b.material, b.triangle);
+  };
+  std::vector<Key> keys(mesh.size());
   parallelFor(keys.size(), [&](std::size_t i) {
     const auto triangle = static_cast<std::uint32_t>(i);
-    const auto [a, b, c] = turnedCorners(mesh, triangle);
-    keys[i] = {hashWith(hashWith(hashWith(mesh.material[i], a), b), c), triangle};
-    const glm::dvec3 first(a);
-    useless[i] = glm::cross(glm::dvec3(b) - first, glm::dvec3(c) - first) == glm::dvec3(0.0);
+    keys[i] = {turnedCorners(mesh, triangle), mesh.material[i], triangle};
   });
-  parallelSort(keys.begin(), keys.end());
+  parallelSort(keys.begin(), keys.end(), order);
+  std::vector<std::uint8_t> useless(mesh.size(), 0);
   std::size_t repeats = 0;
-  for (std::size_t i = 1; i < keys.size(); ++i) {
-    const std::uint32_t triangle = keys[i].number;
-    for (std::size_t k = i; useless[triangle] == 0 && k-- > 0 && keys[k].hash == keys[i].hash;) {
-      const std::uint32_t other = keys[k].number;
-      const bool repeat = mesh.material[triangle] == mesh.material[other] &&
-                          turnedCorners(mesh, triangle) == turnedCorners(mesh, other);
-      if (repeat) useless[triangle] = 2;
-    }
-    repeats += useless[triangle] == 2;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto& [a, b, c] = keys[i].corners;
+    const glm::dvec3 first(a);
+    const bool flat = glm::cross(glm::dvec3(b) - first, glm::dvec3(c) - first) == glm::dvec3(0.0);
+    const bool repeat =
+        i > 0 && keys[i].material == keys[i - 1].material && keys[i].corners == keys[i - 1].corners;
+    useless[keys[i].triangle] = flat || repeat;
+    repeats += repeat && !flat;
   }
   const auto keep = [&](auto& values, std::size_t each) {
     if (values.empty()) return;

@@ -61,19 +61,6 @@ struct TriangleMesh {
 /// Whether `a` comes first by x, then y, then z.
 bool precedes(const glm::vec3& a, const glm::vec3& b);
 
-/// Equal things lie together when their hashes are sorted, which takes half as long as by their
-/// places. Things with one hash may differ.
-struct Hashed {
-  std::uint64_t hash = 0;
-  std::uint32_t number = 0;
-  bool operator<(const Hashed& other) const {
-    return hash != other.hash ? hash < other.hash : number < other.number;
-  }
-};
-
-/// The hash of what precedes, and of a place; 0 and -0 are one.
-std::uint64_t hashWith(std::uint64_t hash, const glm::vec3& place);
-
 /// Drops triangles without an area, which would count for the bounds, and those that have corners,
 /// material and winding of an earlier one, whose area would count as surface.
 /// @return the number of the latter

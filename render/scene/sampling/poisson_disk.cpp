@@ -145,11 +145,7 @@ class Grid {
 class Thrower {
  public:
   explicit Thrower(const std::vector<glm::vec3>& corners_m)
-      : corners_m_(corners_m), sums_m2_(summedAreas(corners_m)), normals_(sums_m2_.size()) {
-    parallelFor(normals_.size(), [&](std::size_t i) {
-      normals_[i] = glm::vec3(glm::normalize(crossOf(corners_m, i)));
-    });
-  }
+      : corners_m_(corners_m), sums_m2_(summedAreas(corners_m)) {}
 
   double area_m2() const { return sums_m2_.empty() ? 0.0 : sums_m2_.back(); }
 
@@ -206,14 +202,13 @@ class Thrower {
     const glm::dvec3 ab = glm::dvec3(corners_m_[3 * triangle + 1]) - a;
     const glm::dvec3 ac = glm::dvec3(corners_m_[3 * triangle + 2]) - a;
     return {a + weights.x * ab + weights.y * ac,
-            normals_[triangle],
+            glm::vec3(glm::normalize(glm::cross(ab, ac))),
             {static_cast<std::uint32_t>(triangle), glm::vec2(weights)},
             0};
   }
 
   const std::vector<glm::vec3>& corners_m_;
   std::vector<double> sums_m2_;
-  std::vector<glm::vec3> normals_;
   std::vector<Met> met_;  ///< by share
 };
 

@@ -72,6 +72,28 @@ TEST_F(RenderImage, TakesFoveation) {
   EXPECT_GT(cv::norm(foveated, rendered(), cv::NORM_INF), 0.0);
 }
 
+/// Gaussians of 1 mm, 5 cm apart, fill no cone by half: the eye focuses on them nevertheless.
+TEST_F(RenderImage, FocusesOnSparseGaussians) {
+  std::string splats;
+  for (int i = 0; i < 400; ++i) {
+    const float record[] = {0.05f * static_cast<float>(i % 20 - 10),
+                            0.05f * static_cast<float>(i / 20 - 10),
+                            0.0f,
+                            1e-3f,
+                            1e-3f,
+                            1e-3f};
+    splats.append(reinterpret_cast<const char*>(record), sizeof(record));
+    splats += "\xff\xff\xff\xff\xff\x80\x80\x80";
+  }
+  study.scene.file = scratch.write("sparse.splat", splats);
+  study.eye.position_m = {0.0, 0.0, 0.5};
+  study.eye.look_at_m = {0.0, 0.0, 0.0};
+  const ImageSummary summary = renderImage(
+      study, {.out = scratch.path() / "image.png", .depth = {}, .focus_D = {}, .gaze_px = {}});
+  ASSERT_TRUE(summary.surface_distance_m);
+  EXPECT_NEAR(*summary.surface_distance_m, 0.5, 0.05);
+}
+
 TEST_F(RenderImage, HasNoFrameTimeBudget) {
   const cv::Mat free = rendered();
   study.quality.frame_ms = 1.0;
