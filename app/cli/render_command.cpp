@@ -48,8 +48,14 @@ std::string summaryJsonOf(const RenderOptions& options, const Study& study,
                                  {"splats", summary.stats.splats},
                                  {"fragments", summary.stats.fragments},
                                  {"render_ms", summary.stats.ms},
+                                 {"quality_level", nullptr},
+                                 {"tolerance_error", nullptr},
+                                 {"tolerance_met", nullptr},
                                  {"warnings", summary.warnings}};
   if (summary.surface_distance_m) json["surface_distance_m"] = *summary.surface_distance_m;
+  if (const auto& level = summary.stats.quality_level) json["quality_level"] = textOf(*level);
+  if (const auto& error = summary.stats.tolerance_error) json["tolerance_error"] = *error;
+  if (const auto& met = summary.stats.tolerance_met) json["tolerance_met"] = *met;
   return jsonText(json);
 }
 

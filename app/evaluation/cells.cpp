@@ -76,6 +76,10 @@ std::optional<ChartCell> ChartCells::load(const std::string& name, const std::st
     if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberInJson(silhouette);
     const Json& expected = json.at("expected_error");
     if (!expected.is_null()) cell.expected_error = expected;
+    const Json& met = json.at("tolerance_met");
+    if (!met.is_null()) cell.tolerance_met = met.get<bool>();
+    const Json& level = json.at("quality_level");
+    if (!level.is_null()) cell.quality_level = qualityLevelFrom(level.get<std::string>());
     for (const auto& [threads, ms] : json.at("ms").items()) {
       cell.ms[static_cast<unsigned>(std::atoi(threads.c_str()))] = ms.get<std::vector<double>>();
     }
@@ -92,10 +96,14 @@ void ChartCells::store(const std::string& name, const std::string& key,
                {"coverage_error", cell.coverage_error},
                {"visible_error", cell.visible_error},
                {"expected_error", nullptr},
+               {"tolerance_met", nullptr},
+               {"quality_level", nullptr},
                {"first_ms", cell.first_ms},
                {"ms", Json::object()}};
   if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
   if (cell.expected_error) json["expected_error"] = *cell.expected_error;
+  if (cell.tolerance_met) json["tolerance_met"] = *cell.tolerance_met;
+  if (cell.quality_level) json["quality_level"] = textOf(*cell.quality_level);
   for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
   writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }

@@ -10,6 +10,7 @@
 
 #include "app/platform/output_guard.h"
 #include "render/image/frame.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 
@@ -22,6 +23,8 @@ struct ChartCell {
   double visible_error = 0.0;  ///< 95 % quantile over the pixels, just-noticeable differences
   /// The visible error that the method predicted; absent if the method predicts none.
   std::optional<double> expected_error = {};
+  std::optional<bool> tolerance_met = {};          ///< whether it is within the tolerance
+  std::optional<QualityLevel> quality_level = {};  ///< that `auto` chose
   double first_ms = 0.0;  ///< time of the frame that the errors belong to, with all threads
   std::map<unsigned, std::vector<double>> ms = {};  ///< times of the timed frames, by threads
 };

@@ -45,7 +45,8 @@ std::string poseFields(const FrameRecord& record) {
 FrameTable::FrameTable(const std::filesystem::path& file)
     : file_(file.string()), out_(file, std::ios::binary) {
   out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\tsurface_distance_m\t"
-          "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\tvergence_D\t"
+          "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\t"
+          "tolerance_met\tquality_level\tvergence_D\t"
           "vergence_error_D\tvergence_disagrees\teye_x_m\teye_y_m\teye_z_m\teye_qx\t"
           "eye_qy\teye_qz\teye_qw\trender_ms\n";
 }
@@ -59,8 +60,11 @@ void FrameTable::add(std::size_t frame, const FrameRecord& record) {
        << orAbsent(eye.target_D, kDioptreDigits) << '\t' << decimal(eye.focus_D, kDioptreDigits)
        << '\t' << decimal(record.pupil_mm, 3) << '\t' << record.method << '\t'
        << record.stats.splats << '\t' << record.stats.fragments << '\t'
-       << orAbsent(record.stats.tolerance_error, 2) << '\t' << vergenceFields(eye) << '\t'
-       << poseFields(record) << '\t' << decimal(record.stats.ms, 3) << '\n';
+       << orAbsent(record.stats.tolerance_error, 2) << '\t'
+       << (record.stats.tolerance_met ? *record.stats.tolerance_met ? "1" : "0" : "n/a") << '\t'
+       << (record.stats.quality_level ? textOf(*record.stats.quality_level) : "n/a") << '\t'
+       << vergenceFields(eye) << '\t' << poseFields(record) << '\t' << decimal(record.stats.ms, 3)
+       << '\n';
   if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 

@@ -67,6 +67,10 @@ Json jsonOf(const PartFrame& frame) {
       {"splats", record.stats.splats},
       {"fragments", record.stats.fragments},
       {"tolerance_error", jsonOf(record.stats.tolerance_error)},
+      {"tolerance_met",
+       record.stats.tolerance_met ? Json(*record.stats.tolerance_met) : Json(nullptr)},
+      {"quality_level",
+       record.stats.quality_level ? Json(textOf(*record.stats.quality_level)) : Json(nullptr)},
       {"render_ms", record.stats.ms},
       {"rendered", record.rendered},
       {"marker", frame.seen.marker},
@@ -108,6 +112,12 @@ PartFrame partFrameOf(const Json& json) {
   record.stats.splats = json.at("splats").get<std::uint64_t>();
   record.stats.fragments = json.at("fragments").get<std::uint64_t>();
   record.stats.tolerance_error = numberOf(json.at("tolerance_error"));
+  if (const Json& met = json.at("tolerance_met"); !met.is_null()) {
+    record.stats.tolerance_met = met.get<bool>();
+  }
+  if (const Json& level = json.at("quality_level"); !level.is_null()) {
+    record.stats.quality_level = qualityLevelFrom(level.get<std::string>());
+  }
   record.stats.ms = json.at("render_ms").get<double>();
   record.rendered = json.at("rendered").get<bool>();
   frame.seen.marker = json.at("marker").get<bool>();

@@ -5,6 +5,7 @@
 
 #include "app/platform/output_files.h"
 #include "app/replay/frame_maps.h"
+#include "app/session/auto_method.h"
 #include "app/session/session.h"
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
@@ -74,8 +75,18 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   RenderRequest render_request = session.requestOf(settings.method, record);
   for (RenderRequest::Eye& eye : render_request.eyes) {
     eye.settings.depth = request.depth || request.defocus;
+    eye.settings.quality.check = ErrorCheck::of_still;
   }
+  // Before the time of the frame counts.
+  if (choosesQuality(settings.method)) session.renderer().pass(render_request);
   const Frame& frame = session.render(render_request, record);
+  const double tolerance = settings.quality.tolerance;
+  if (record.stats.tolerance_error > tolerance) {
+    warnings.add(
+        "5 % of the pixels may err by more than quality.tolerance = " + significant(tolerance, 2) +
+        " just-noticeable differences, by up to " + decimal(*record.stats.tolerance_error, 1) +
+        ": method auto has no better quality level (docs/methods.md)");
+  }
   if (const std::string remark = session.deviceRemark(); !remark.empty()) warnings.add(remark);
   OutputFiles files(request.guard);
   using Path = std::filesystem::path;

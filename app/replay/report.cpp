@@ -175,7 +175,8 @@ std::string toleranceText(const Study& study, const ReportFacts& facts) {
          decimal(facts.worst_error, 1) +
          (study.quality.frame_ms
               ? ": the frame-time budget (quality.frame_ms) leaves no time for more."
-              : ": method auto has no better quality level (docs/methods.md).");
+              : ": method auto was still measuring the error, or has no better quality level "
+                "(docs/methods.md).");
 }
 
 namespace {

@@ -31,10 +31,8 @@ class AccumulateMethod final : public Method {
 
     // Sum even views in `frame` and odd views in `odd_`, to compare the two halves.
     RenderStats stats;
-    std::vector<glm::vec2> points;
-    points.reserve(static_cast<std::size_t>(views_));
-    for (int i = 0; i < views_; ++i) points.push_back(lensSample(i, views_));
-    const std::vector<LensPart> parts = lensPoints(settings.defocus, settings.pupil, points);
+    const std::vector<LensPart> parts =
+        lensPoints(settings.defocus, settings.pupil, lensSamples(views_));
     for (int i = 0; i < views_; ++i) {
       renderView(view, settings, parts[static_cast<std::size_t>(i)], stats);
       const float weight = parts[static_cast<std::size_t>(i)].weight * static_cast<float>(views_);

@@ -1,19 +1,21 @@
 // The default method. It picks the cheapest quality level whose predicted error stays within
-// `quality.tolerance`. A table predicts the error of a level from the largest blur in view
-// (quality_level_table.cpp). Where the table asks for sub-apertures, `auto` renders a few squares
-// of the frame at each level and measures the error instead (spot_check.h). A frame-time budget may
-// force a cheaper level. `auto:N` always renders at one level. Source: our own. Known failure: the
-// prediction holds for the scenes of the table and for the squares. A scene that is harder at a
-// blur of a few pixels, where no squares are rendered, exceeds the prediction. So does a detail
-// that the squares miss.
+// `quality.tolerance`. A few squares of the frame at each level are compared with the mean of many
+// pinhole views (spot_check.h), a part of them in each frame. Until all are compared, `auto`
+// renders at a level that suffices for most scenes. Under a frame-time budget, which may
+// force a cheaper level, a table predicts the error from the largest blur in view
+// (quality_level_table.cpp). `auto:N` always renders at one level. Source: our own. Known failure:
+// a detail that the squares miss exceeds the prediction.
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/lod_splats.h"
@@ -35,11 +37,25 @@ constexpr float kReserve = 0.9f;
 constexpr float kRelaxed = 1.15f;
 static_assert(kRelaxed * kReserve > 1.0f);
 
-/// The squares are rendered anew after this many frames, or where the blur has changed by this
-/// factor. Chosen by hand: the squares take at most about as long as one frame, so they cost below
-/// 2 % of the time.
-constexpr int kFramesBetweenChecks = 60;
-constexpr float kBlurChange = 1.5f;
+/// Errors of one blur are used for others within this factor. Changes below the first do not show.
+/// Chosen by hand.
+constexpr float kInvisible_px = 0.5f, kBlurChange = 1.5f;
+
+/// Age in frames, in all and for each frame that it took, that a check is repeated at. It is no
+/// longer used at twice this age. Chosen by hand: checks take below 5 % of a run's time.
+constexpr int kMinAge = 60, kStepAge = 6;
+
+/// The prediction over the squares' error, which is sometimes a fifth below the frame's: in the
+/// middle of 1 and 1.5, so that few predictions are too low or much too high.
+constexpr float kOfSquares = 1.22f;
+
+/// The table's errors are exceeded up to so many times on scenes that it was not measured on.
+constexpr float kUnmeasured = 4.0f;
+
+/// The levels that squares compare.
+constexpr std::array kCompared{QualityLevel::sharp, QualityLevel::coarse,
+                               QualityLevel::whole_aperture, QualityLevel::sub_apertures,
+                               QualityLevel::fine};
 
 /// If no level fits the budget, blurring the sharp image is preferred to the softest level unless
 /// it takes this many times longer. Chosen by hand.
@@ -70,12 +86,11 @@ class AutoMethod final : public Method {
     const std::optional<QualityLevel> forced = forced_ ? forced_ : quality.quality_level;
     const QualityLevel level = forced               ? *forced
                                : quality.keep_level ? last_level_
-                                                    : choose(now, settings, blur_px, frame);
+                                                    : choose(now, settings, blur_px);
     last_level_ = level;
 
     const auto start = std::chrono::steady_clock::now();
-    RenderStats stats = renderAt(level, view, settings, frame);
-    squares_.reset();
+    RenderStats stats = renderAt(level, view, settings, blur_px, frame);
     if (!quality.keep_level && !forced) {
       const std::chrono::duration<float, std::milli> took =
           std::chrono::steady_clock::now() - start;
@@ -91,16 +106,15 @@ class AutoMethod final : public Method {
   void passFrame(const View& view, const RenderSettings& settings) override {
     if (forced_ || settings.quality.quality_level || settings.quality.keep_level) return;
     last_view_ = unblurred(view, settings);
-    Frame frame;
-    frame.resize(view.size_px, settings.depth);
-    last_level_ = choose(last_view_, settings, maxBlur_px(view, settings), frame);
-    squares_.reset();
+    last_level_ = choose(last_view_, settings, maxBlur_px(view, settings));
   }
 
  private:
   /// A level's settings under the observer's acuity.
-  static LodSettings lodOf(const LevelSettings& level, const Quality& quality) {
+  static LodSettings lodOf(QualityLevel of, const Quality& quality, float blur_px) {
+    const LevelSettings& level = settingsOf(of);
     LodSettings lod = level.lod;
+    if (of == QualityLevel::views) lod.views = viewsOfTruth(blur_px);
     if (level.lod.cut.acuity == Acuity{}) {
       lod.cut.acuity = quality.acuity;
     } else {  // the softer of both
@@ -111,15 +125,13 @@ class AutoMethod final : public Method {
   }
 
   RenderStats renderAt(QualityLevel level, const View& view, const RenderSettings& settings,
-                       Frame& frame) {
+                       float blur_px, Frame& frame) {
     if (level == QualityLevel::post_filtered) {
       const auto sharp = sharpViewOf(unblurred(view, settings));
       sharp->pyramid.blur(settings.defocus, frame);
       return sharp->stats;
     }
-    RenderSettings at_level = settings;
-    if (settingsOf(level).sharp) at_level.defocus.radius_px_per_D = glm::vec2(0.0f);
-    return scene_.render(view, at_level, lodOf(settingsOf(level), settings.quality), frame);
+    return scene_.render(view, settings, lodOf(level, settings.quality, blur_px), frame);
   }
 
   /// Renders the sharp image where it is not there yet.
@@ -144,7 +156,7 @@ class AutoMethod final : public Method {
   /// The largest blur radius in view, with the aberrations.
   float maxBlur_px(const View& view, const RenderSettings& settings) const {
     const Defocus& defocus = settings.defocus;
-    const auto distances = distancesInView(scene_.tree(), view, defocus);
+    const auto distances = distancesInView(*scene_.tree(), view, defocus);
     if (!distances) return 0.0f;
     const float max_D = std::max(maxDefocus_D(defocus, 1.0f / distances->first),
                                  maxDefocus_D(defocus, 1.0f / distances->second));
@@ -152,15 +164,18 @@ class AutoMethod final : public Method {
            aberrationRadius_px(defocus, settings.pupil);
   }
 
-  /// @param frame  of the view's size; its pixels are overwritten until `squares_` ends
-  QualityLevel choose(const UnblurredView& view, const RenderSettings& settings, float blur_px,
-                      Frame& frame) {
+  QualityLevel choose(const UnblurredView& view, const RenderSettings& settings, float blur_px) {
     const Quality& quality = settings.quality;
     const bool budget = quality.frame_ms && !std::isinf(*quality.frame_ms);
     if (budget) {
-      checked_.reset();
+      measured_ = {};
+      running_.reset();
     } else {
-      check(view, settings, blur_px, frame);
+      const QualityLevel first = untilChecked(quality.tolerance, blur_px);
+      check(first, view, settings, blur_px);
+      if (quality.check == ErrorCheck::of_still)
+        return *(wanted_ = levelOfStill(first, quality.tolerance, blur_px));
+      if (!measured_.all) return *(wanted_ = first);
     }
     const float allowed = allowedError(quality, blur_px);
     const auto within = [&](float error) {
@@ -169,6 +184,23 @@ class AutoMethod final : public Method {
     const QualityLevel cheapest = within(allowed);
     wanted_ = wanted_ ? std::clamp(*wanted_, cheapest, within(kReserve * allowed)) : cheapest;
     return budget ? levelWithin(*quality.frame_ms, view) : *wanted_;
+  }
+
+  /// The cheapest level that meets the tolerance on nearly every scene, or `fine`.
+  static QualityLevel untilChecked(float tolerance, float blur_px) {
+    return *std::ranges::find_if(kToleranceLevels, [&](QualityLevel level) {
+      return level == QualityLevel::fine ||
+             kUnmeasured * settingsOf(level).error(blur_px) <= tolerance;
+    });
+  }
+
+  /// A still need not be cheap: it is as the first frame of a run, or better if that exceeds the
+  /// tolerance.
+  QualityLevel levelOfStill(QualityLevel first, float tolerance, float blur_px) const {
+    if (expectedError(first, blur_px) <= tolerance) return first;
+    const bool views =
+        expectedError(QualityLevel::views, blur_px) < expectedError(QualityLevel::fine, blur_px);
+    return views ? QualityLevel::views : QualityLevel::fine;
   }
 
   /// @param tolerance  of the study: no relaxed error allows a frame without blur
@@ -194,16 +226,17 @@ class AutoMethod final : public Method {
     return time_.fits(QualityLevel::soft, budget_ms) ? QualityLevel::soft : QualityLevel::softest;
   }
 
-  /// The error from the squares of the frame where they were rendered, and from the table
+  /// The error from the squares of the frame where they were compared, and from the table
   /// otherwise.
   float expectedError(QualityLevel level, float blur_px) const {
+    const auto& error = measured_.error[static_cast<std::size_t>(level)];
     const float tabled = settingsOf(level).error(blur_px);
-    if (!checked_ || level > kToleranceLevels.back()) return tabled;
-    if (level < QualityLevel::whole_aperture) {
-      return std::max(tabled, expectedError(QualityLevel::whole_aperture, blur_px));
-    }
-    const std::optional<float>& difference = checked_->difference[static_cast<std::size_t>(level)];
-    return difference ? std::hypot(referenceSettings().error(blur_px), *difference) : tabled;
+    if (!error) return tabled;
+    // Errors grow at most with the blur.
+    const float grown = std::max(
+        std::max(blur_px, kInvisible_px) / std::max(measured_.of.blur_px, kInvisible_px), 1.0f);
+    // Blur that shows in a twentieth of the pixels only is rendered, too.
+    return std::max(kOfSquares * grown * *error, level == QualityLevel::sharp ? tabled : 0.0f);
   }
 
   /// The tolerance, relaxed where no level meets it.
@@ -215,48 +248,81 @@ class AutoMethod final : public Method {
     return std::max(quality.tolerance, kRelaxed * best);
   }
 
-  /// Renders squares of the frame where the table asks for sub-apertures: surfaces may overlap in
-  /// much of the view or in none of it. They also tell how fine an LOD cut the frame needs.
-  void check(const UnblurredView& view, const RenderSettings& settings, float blur_px,
-             Frame& frame) {
-    const Quality& quality = settings.quality;
-    const float best = settingsOf(kToleranceLevels.back()).error(blur_px);
-    if (settingsOf(QualityLevel::whole_aperture).error(blur_px) <=
-        kReserve * std::max(quality.tolerance, kRelaxed * best)) {
-      checked_.reset();
-      return;
-    }
-    if (checked_ && stillHolds(*checked_, view, settings.defocus, blur_px)) return;
-    const float reference_error = referenceSettings().error(blur_px);
-    squares_.emplace(scene_, view.view, settings, lodOf(referenceSettings(), quality), frame);
-    checked_ = {.view = view, .defocus = settings.defocus, .blur_px = blur_px, .difference = {}};
-    for (const QualityLevel level : kToleranceLevels) {
-      if (level < QualityLevel::whole_aperture) continue;
-      const float allowed = allowedError(quality, blur_px);
-      const float unseen = std::min(reference_error, allowed);  // by the squares
-      const float limit = std::sqrt(allowed * allowed - unseen * unseen);
-      checked_->difference[static_cast<std::size_t>(level)] =
-          squares_->error(lodOf(settingsOf(level), quality), limit);
-      if (expectedError(level, blur_px) <= allowedError(quality, blur_px)) break;
-    }
-  }
-
-  /// The error on squares of a frame.
-  struct Checked {
+  /// A frame that squares are rendered of.
+  struct CheckedFrame {
     UnblurredView view;
     Defocus defocus;
     float blur_px = 0.0f;
-    int renders = 0;  // since then
-    /// Of the levels that were rendered: the error against the reference.
-    std::array<std::optional<float>, kToleranceLevels.size()> difference;
+    int begin = 0;  ///< number of the first frame that squares were rendered in
+    int steps = 0;  ///< frames, or parts of one, that they were rendered in
+  };
+  struct Measured {
+    CheckedFrame of;
+    std::array<std::optional<float>, kQualityLevels> error;  ///< by level
+    bool all = false;                                        ///< of all levels
   };
 
-  static bool stillHolds(Checked& checked, const UnblurredView& view, const Defocus& defocus,
-                         float blur_px) {
-    if (checked.view == view && checked.defocus == defocus) return true;
-    const float change = blur_px / checked.blur_px;
-    return ++checked.renders < kFramesBetweenChecks && change < kBlurChange &&
-           change > 1.0f / kBlurChange;
+  /// Blurs of one bin share their errors.
+  static int binOf(float blur_px) {
+    return static_cast<int>(std::log(std::max(blur_px, kInvisible_px) / kInvisible_px) /
+                            std::log(kBlurChange));
+  }
+
+  /// Takes the errors of this blur from an earlier check, or as far as one is done. Renders squares
+  /// of this frame, or goes on with those of an earlier one.
+  /// @param first  is compared first
+  void check(QualityLevel first, const UnblurredView& view, const RenderSettings& settings,
+             float blur_px) {
+    const bool still = settings.quality.check == ErrorCheck::of_still;
+    const bool now = still || settings.quality.check == ErrorCheck::at_once;
+    const auto isThis = [&](const CheckedFrame& of) {
+      return of.view == view && of.defocus == settings.defocus;
+    };
+    ++frames_;
+    measured_ = {};
+    bool holds = false;
+    const int bin = binOf(blur_px);
+    if (const auto known = checked_.find(bin); known != checked_.end()) {
+      const CheckedFrame& of = known->second.of;
+      const int age = frames_ - of.begin, old = std::max(kMinAge, kStepAge * of.steps);
+      holds = isThis(of) || (!now && age < old);
+      if (holds || age < 2 * old) measured_ = known->second;
+    }
+    if (now && (holds || (running_ && !isThis(running_of_)))) running_.reset();
+    if (!running_ && holds) return;
+    if (!running_) begin(first, view, settings, blur_px);
+    const auto isEnough = [&] { return still ? running_->isFirstDone() : running_->isDone(); };
+    while (!isEnough()) {
+      running_->step();
+      ++running_of_.steps;
+      if (!now) break;
+    }
+    const bool all = running_->isDone();
+    const int running_bin = binOf(running_of_.blur_px);
+    if (all || (!measured_.all && running_bin == bin)) {
+      Measured measured{.of = running_of_, .error = {}, .all = all};
+      for (std::size_t i = 0; i < (all ? compared_.size() : 1); ++i) {
+        measured.error[static_cast<std::size_t>(compared_[i])] = running_->error(i);
+      }
+      measured.error[static_cast<std::size_t>(QualityLevel::views)] = running_->errorOfViews();
+      if (running_bin == bin) measured_ = measured;
+      if (all) checked_[running_bin] = measured;
+    }
+    if (all) running_.reset();
+  }
+
+  void begin(QualityLevel first, const UnblurredView& view, const RenderSettings& settings,
+             float blur_px) {
+    compared_ = {first};
+    std::ranges::copy_if(kCompared, std::back_inserter(compared_),
+                         [&](QualityLevel level) { return level != first; });
+    std::vector<LodSettings> levels;
+    for (const QualityLevel level : compared_) {
+      levels.push_back(lodOf(level, settings.quality, blur_px));
+    }
+    running_ =
+        std::make_unique<SpotCheck>(scene_.tree(), view.view, settings, blur_px, std::move(levels));
+    running_of_ = {.view = view, .defocus = settings.defocus, .blur_px = blur_px, .begin = frames_};
   }
 
   LodSplats scene_;
@@ -264,8 +330,12 @@ class AutoMethod final : public Method {
   std::optional<QualityLevel> forced_;
   QualityLevel last_level_ = QualityLevel::sharp;  // of the previous render
   std::optional<QualityLevel> wanted_;             // by the tolerance alone
-  std::optional<Checked> checked_;
-  std::optional<SpotCheck> squares_;  // until their frame is rendered
+  int frames_ = 0;                                 // that were chosen a level for, without a budget
+  Measured measured_;                              // for the frame
+  std::map<int, Measured> checked_;                // by the bin of the blur
+  std::unique_ptr<SpotCheck> running_;             // the next check
+  std::vector<QualityLevel> compared_;             // by it
+  CheckedFrame running_of_;
   TimeBudget time_{relativeTimes(), scene_.isOnGpu()};
   UnblurredView last_view_;  // of the previous render
 };

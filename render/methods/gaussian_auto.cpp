@@ -52,6 +52,8 @@ int discsOf(QualityLevel level) {
       return 7;
     case QualityLevel::fine:
       return 19;
+    case QualityLevel::views:
+      return 61;
     default:
       return 0;
   }

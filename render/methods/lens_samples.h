@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <numbers>
 #include <vector>
@@ -17,6 +18,14 @@ inline glm::vec2 lensSample(int i, int n) {
   const double radius = std::sqrt((i + 0.5) / n), angle_rad = i * golden_angle_rad;
   return {static_cast<float>(radius * std::cos(angle_rad)),
           static_cast<float>(radius * std::sin(angle_rad))};
+}
+
+/// All `n` of these.
+inline std::vector<glm::vec2> lensSamples(int n) {
+  std::vector<glm::vec2> samples;
+  samples.reserve(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) samples.push_back(lensSample(i, n));
+  return samples;
 }
 
 /// Sample `i` of `n` for one pixel, so that neighbouring pixels err independently. The samples are

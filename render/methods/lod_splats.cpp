@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -99,7 +98,14 @@ LodSplats::LodSplats(const LodSplats& other, std::nullptr_t) : tree_(other.tree_
 
 RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
                               const LodSettings& lod, Frame& frame) {
-  if (hasParts(settings)) return renderParts(view, settings, lod, frame);
+  if (lod.sharp && isBlurred(settings)) {
+    RenderSettings sharp = settings;
+    sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
+    return render(view, sharp, lod, frame);
+  }
+  if (hasParts(settings) || (lod.views > 0 && isBlurred(settings))) {
+    return renderParts(view, settings, lod, frame);
+  }
   LodSettings softened = lod;
   softened.cut.acuity = widened(lod.cut.acuity, settings.pupil);
   return renderLens(view, settings, softened, frame);
@@ -107,30 +113,37 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
 
 RenderStats LodSplats::renderParts(const View& view, const RenderSettings& settings,
                                    const LodSettings& lod, Frame& frame) {
-  const std::vector<LensPart> parts = partsFor(settings.defocus, settings.pupil, lod.sub_apertures);
+  const bool areas = lod.views == 0;
   RenderStats stats;
-  meanOfParts(
-      parts, settings.pupil.diffraction_px, part_, frame, [&](const LensPart& part, Frame& to) {
-        const View seen = viewOfPart(view, part);
-        RenderSettings of_part = settings;
-        of_part.defocus = part.defocus;
-        LodSettings detail = lod;
-        detail.cut.acuity = widened(lod.cut.acuity, part);
-        detail.cut.per_blur2 *= part.radius * part.radius;
-        detail.sub_apertures = 1;
-        if (gpu_) {
-          GpuRequest request = gpuRequest(seen, of_part, detail);
-          request.lens = part.centre;
-          request.aperture = part.radius;
-          stats.add(statsOf(gpu_->render(request, to.gpu)));
-          return;
-        }
-        stats.add(renderSplats(
-            binnedOf(seen, part.defocus, detail.cut,
-                     {.lens = part.centre, .aperture = part.radius, .shading = settings.shading}),
-            detail, sweepSettings(of_part, lod), to));
-      });
+  meanOfParts(areas ? partsFor(settings.defocus, settings.pupil, lod.sub_apertures)
+                    : lensPoints(settings.defocus, settings.pupil, lensSamples(lod.views)),
+              areas ? settings.pupil.diffraction_px : 0.0f, part_, frame,
+              [&](const LensPart& part, Frame& to) {
+                stats.add(renderPart(view, settings, lod, part, to));
+              });
   return stats;
+}
+
+RenderStats LodSplats::renderPart(const View& view, const RenderSettings& settings,
+                                  const LodSettings& lod, const LensPart& part, Frame& frame) {
+  const View seen = viewOfPart(view, part);
+  RenderSettings of_part = settings;
+  of_part.defocus = part.defocus;
+  LodSettings detail = lod;
+  detail.cut.acuity =
+      part.radius > 0.0f ? widened(lod.cut.acuity, part) : widened(lod.cut.acuity, settings.pupil);
+  detail.cut.per_blur2 *= part.radius * part.radius;
+  detail.sub_apertures = 1;
+  if (gpu_) {
+    GpuRequest request = gpuRequest(seen, of_part, detail);
+    request.lens = part.centre;
+    request.aperture = part.radius;
+    return statsOf(gpu_->render(request, frame.gpu));
+  }
+  return renderSplats(
+      binnedOf(seen, part.defocus, detail.cut,
+               {.lens = part.centre, .aperture = part.radius, .shading = settings.shading}),
+      detail, sweepSettings(of_part, lod), frame);
 }
 
 GpuRequest LodSplats::gpuRequest(const View& view, const RenderSettings& settings,
@@ -150,20 +163,6 @@ RenderStats LodSplats::renderLens(const View& view, const RenderSettings& settin
                       sweepSettings(settings, lod), frame);
 }
 
-bool LodSplats::renderWindows(const View& view, const RenderSettings& settings,
-                              const LodSettings& lod, std::span<const Window> windows,
-                              Frame& frame) {
-  if (gpu_ || hasParts(settings)) return false;
-  CutSettings cut = lod.cut;
-  cut.acuity = widened(cut.acuity, settings.pupil);
-  const Binned wanted =
-      binnedOf(view, settings.defocus, cut, projectionFor(lod.sub_apertures, settings));
-  if (!bin(wanted, lod.max_splats)) return false;
-  if (!begun_) begun_ = {.of = wanted, .by = {}, .rendered = {}};
-  goOn(lod, sweepSettings(settings, lod), lists_.tilesMeeting(windows), frame);
-  return true;
-}
-
 LodSplats::Binned LodSplats::binnedOf(const View& view, const Defocus& defocus,
                                       const CutSettings& cut, Projection projection) {
   const glm::vec2 radius_px_per_D = defocus.radius_px_per_D * projection.aperture;
@@ -176,53 +175,15 @@ LodSplats::Binned LodSplats::binnedOf(const View& view, const Defocus& defocus,
   return of;
 }
 
-bool LodSplats::bin(const Binned& wanted, std::size_t max_splats) {
-  if (begun_) {
-    // Splats for sub-apertures, if any, are beside the others.
-    const float sub_aperture = wanted.projection.sub_aperture;
-    Binned there = begun_->of;
-    there.projection.sub_aperture = sub_aperture;
-    if (there == wanted) {
-      if (sub_aperture > 0.0f && begun_->of.projection.sub_aperture != sub_aperture) {
-        projectCut(*tree_, cut_, wanted.view, wanted.defocus, wanted.projection, chunks_);
-        begun_->of = wanted;
-      }
-      return true;
-    }
-  }
-  begun_.reset();
-  selectCut(*tree_, wanted.view, wanted.defocus, wanted.cut, cut_);
-  if (cut_.size() > max_splats && wanted.view.size_px.x > kStrip_px) return false;
-  binCut(wanted);
-  return true;
-}
-
 void LodSplats::binCut(const Binned& wanted) {
   readSurfelsAhead(tree_->surfels(), cut_);
   projectCut(*tree_, cut_, wanted.view, wanted.defocus, wanted.projection, chunks_);
   lists_.build(chunks_, wanted.view.size_px, wanted.coarse());
 }
 
-void LodSplats::goOn(const LodSettings& lod, const SweepSettings& settings,
-                     std::vector<std::uint32_t> tiles, Frame& frame) {
-  const Swept by{lod.sub_apertures, settings.background, settings.low_pass_px, settings.depth,
-                 &frame};
-  std::vector<std::uint8_t>& rendered = begun_->rendered;
-  if (begun_->by != by || rendered.size() != lists_.tiles().size()) {
-    begun_->by = by;
-    begun_->fragments = 0;
-    rendered.assign(lists_.tiles().size(), 0);
-  }
-  std::erase_if(tiles, [&](std::uint32_t tile) { return rendered[tile] != 0; });
-  for (const std::uint32_t tile : tiles) rendered[tile] = 1;
-  begun_->fragments += sweepTiles(begun_->of, lod, settings, &tiles, frame);
-}
-
 std::uint64_t LodSplats::sweepTiles(const Binned& of, const LodSettings& lod,
-                                    SweepSettings settings, const std::vector<std::uint32_t>* tiles,
-                                    Frame& frame) {
+                                    SweepSettings settings, Frame& frame) {
   settings.defocus = of.defocus;
-  settings.tiles = tiles;
   SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),
                              .out_of_focus_D = chunks_.out_of_focus_D.get(),
                              .out_across_D = chunks_.out_across_D.get(),
@@ -237,17 +198,11 @@ std::uint64_t LodSplats::sweepTiles(const Binned& of, const LodSettings& lod,
 RenderStats LodSplats::renderSplats(const Binned& of, const LodSettings& lod,
                                     const SweepSettings& settings, Frame& frame) {
   RenderStats stats;
-  if (bin(of, lod.max_splats)) {
+  selectCut(*tree_, of.view, of.defocus, of.cut, cut_);
+  if (cut_.size() <= lod.max_splats || of.view.size_px.x <= kStrip_px) {
+    binCut(of);
     stats.splats = chunks_.total();
-    if (!begun_) {
-      stats.fragments = sweepTiles(of, lod, settings, nullptr, frame);
-      return stats;
-    }
-    std::vector<std::uint32_t> all(lists_.tiles().size());
-    std::iota(all.begin(), all.end(), 0u);
-    goOn(lod, settings, std::move(all), frame);
-    stats.fragments = begun_->fragments;
-    begun_.reset();
+    stats.fragments = sweepTiles(of, lod, settings, frame);
     return stats;
   }
 
@@ -261,7 +216,7 @@ RenderStats LodSplats::renderSplats(const Binned& of, const LodSettings& lod,
     binCut(strip);
     strip_.resize(strip.view.size_px, settings.depth);
     stats.splats += chunks_.total();
-    stats.fragments += sweepTiles(strip, lod, settings, nullptr, strip_);
+    stats.fragments += sweepTiles(strip, lod, settings, strip_);
     copyColumns(strip_, x_px, frame);
   }
   return stats;

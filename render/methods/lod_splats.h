@@ -26,6 +26,8 @@ struct LodSettings {
   /// different images (`Pupil::hasParts`) takes this many, or more, over the whole image.
   int sub_apertures = 1;
   float low_pass_px = 0.0f;  ///< standard deviation of the low-pass that `cut` is made for
+  int views = 0;  ///< render the mean of so many pinhole views through points of the lens instead
+  bool sharp = false;  ///< render without blur
   /// On the CPU a larger cut is rendered strip by strip, each of its own cut: a splat takes about
   /// 150 bytes.
   std::size_t max_splats = std::size_t{4} << 20;
@@ -38,8 +40,10 @@ class LodSplats {
   explicit LodSplats(const SurfelCloud& cloud, const SharedGpu& gpu = nullptr);
   /// Shares the other's scene.
   LodSplats(const LodSplats& other, std::nullptr_t);
+  /// On the CPU. @param tree  of a scene that outlives this
+  explicit LodSplats(std::shared_ptr<const MomentTree> tree) : tree_(std::move(tree)) {}
 
-  const MomentTree& tree() const { return *tree_; }
+  const std::shared_ptr<const MomentTree>& tree() const { return tree_; }
   bool isOnGpu() const { return gpu_.has_value(); }
 
   /// Leaves the pixels on the GPU, if it renders.
@@ -48,15 +52,9 @@ class LodSplats {
   RenderStats render(const View& view, const RenderSettings& settings, const LodSettings& lod,
                      Frame& frame);
 
-  /// Begins a frame: renders only the tiles that these windows meet. Other pixels stay as they are.
-  /// Calls of `renderWindows` and `render` for the same frame that follow use the same splats, and
-  /// render only further tiles.
-  /// @param frame  the same object each time, which nothing else writes to until `forgetWindows`
-  /// @return false: nothing is rendered, because a GPU renders, the lens has parts, or the cut is
-  ///         larger than `lod.max_splats`
-  bool renderWindows(const View& view, const RenderSettings& settings, const LodSettings& lod,
-                     std::span<const Window> windows, Frame& frame);
-  void forgetWindows() { begun_.reset(); }
+  /// What one part of the lens sees.
+  RenderStats renderPart(const View& view, const RenderSettings& settings, const LodSettings& lod,
+                         const LensPart& part, Frame& frame);
 
  private:
   /// What the splats of a frame and their tiles depend on.
@@ -66,27 +64,10 @@ class LodSplats {
     CutSettings cut;
     Projection projection;
     bool coarse() const { return projection.margin_px > 0; }
-    bool operator==(const Binned&) const = default;
-  };
-  /// What its pixels depend on, too, and where they are.
-  struct Swept {
-    int sub_apertures;
-    glm::vec3 background;
-    float low_pass_px;
-    bool depth;
-    const Frame* frame;
-    bool operator==(const Swept&) const = default;
-  };
-  /// A frame that `renderWindows` began.
-  struct Begun {
-    Binned of;
-    Swept by;
-    std::vector<std::uint8_t> rendered;  ///< by tile
-    std::uint64_t fragments = 0;         ///< of these tiles
   };
   RenderStats renderLens(const View& view, const RenderSettings& settings, const LodSettings& lod,
                          Frame& frame);
-  /// Each sub-aperture in a whole-aperture pass of its own.
+  /// The mean of what the parts of the lens see, each in a whole-aperture pass of its own.
   RenderStats renderParts(const View& view, const RenderSettings& settings, const LodSettings& lod,
                           Frame& frame);
   GpuRequest gpuRequest(const View& view, const RenderSettings& settings,
@@ -94,16 +75,9 @@ class LodSplats {
   /// @param projection  without acuity and margin
   static Binned binnedOf(const View& view, const Defocus& defocus, const CutSettings& cut,
                          Projection projection);
-  /// Bins the splats of a frame, unless it is begun.
-  /// @return false: the cut is larger than `max_splats`
-  bool bin(const Binned& wanted, std::size_t max_splats);
   void binCut(const Binned& wanted);
-  /// Renders tiles of the binned splats; null: all.
   std::uint64_t sweepTiles(const Binned& of, const LodSettings& lod, SweepSettings settings,
-                           const std::vector<std::uint32_t>* tiles, Frame& frame);
-  /// The same without those that are rendered already.
-  void goOn(const LodSettings& lod, const SweepSettings& settings, std::vector<std::uint32_t> tiles,
-            Frame& frame);
+                           Frame& frame);
   /// On the CPU. @param settings  without lens and sub-apertures
   RenderStats renderSplats(const Binned& of, const LodSettings& lod, const SweepSettings& settings,
                            Frame& frame);
@@ -113,7 +87,6 @@ class LodSplats {
   Cut cut_;
   SplatChunks chunks_;
   TileLists lists_;
-  std::optional<Begun> begun_;
   Frame part_, strip_;
 };
 

@@ -136,6 +136,7 @@ void RenderStats::add(const RenderStats& other) {
   if (other.tolerance_error) {
     tolerance_error = std::max(*other.tolerance_error, tolerance_error.value_or(0.0));
   }
+  if (other.tolerance_met) tolerance_met = *other.tolerance_met && tolerance_met.value_or(true);
   if (other.split_half_psnr_dB) {
     split_half_psnr_dB =
         std::min(*other.split_half_psnr_dB,
@@ -164,6 +165,9 @@ RenderStats Method::renderKept(const View& view, const RenderSettings& settings,
   frame.resize(view.size_px, settings.depth);
   RenderStats stats = isColored(settings) ? renderColours(view, settings, frame)
                                           : renderFrame(view, settings, frame);
+  if (stats.tolerance_error) {
+    stats.tolerance_met = *stats.tolerance_error <= settings.quality.tolerance;
+  }
   stats.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return stats;

@@ -23,6 +23,13 @@
 
 namespace foci {
 
+/// When method `auto` measures its errors (spot_check.h).
+enum class ErrorCheck : std::uint8_t {
+  over_frames,  ///< a part in each frame
+  of_still,     ///< now, of the level that a run begins with, and of better ones if it needs them
+  at_once,      ///< now, of all levels
+};
+
 /// How closely method `auto` renders, and how long it may take. Other methods ignore all of this.
 struct Quality {
   /// Error that 95 % of the pixels may have, in just-noticeable differences (visible_difference.h).
@@ -38,6 +45,7 @@ struct Quality {
   bool keep_level = false;
   /// Force this level; nullopt chooses one per frame.
   std::optional<QualityLevel> quality_level = {};
+  ErrorCheck check = ErrorCheck::over_frames;
   bool operator==(const Quality&) const = default;
 };
 
@@ -67,9 +75,10 @@ struct RenderStats {
   /// Of a reference method: the PSNR between two halves of its samples. No PSNR against this
   /// reference can be trusted beyond it.
   std::optional<double> split_half_psnr_dB;
-  /// Of `auto`: the predicted error of 95 % of the pixels, an upper bound in just-noticeable
-  /// differences.
+  /// Of `auto`: the predicted error of 95 % of the pixels, in just-noticeable differences, and
+  /// whether it is within `Quality::tolerance`.
   std::optional<double> tolerance_error;
+  std::optional<bool> tolerance_met;
   /// Of `auto`: the level that was rendered.
   std::optional<QualityLevel> quality_level;
   std::optional<GpuTimes> gpu;  ///< by stage; absent: the CPU rendered

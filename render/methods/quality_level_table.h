@@ -17,7 +17,6 @@ struct LevelSettings {
 
   LodSettings lod;
   std::array<float, kBlurs_px.size()> error_at;  ///< by blur radius: the upper bound below
-  bool sharp = false;                            ///< render without blur
 
   /// Upper bound of the error of 95 % of the pixels, in just-noticeable differences at 40 pixels a
   /// degree. The bound holds on every scene of the measurement. It is linear between the blur
@@ -28,9 +27,10 @@ struct LevelSettings {
 
 const LevelSettings& settingsOf(QualityLevel level);
 
-/// The reference that squares of a frame are compared with (spot_check.h). It is closer than every
-/// level, and too slow for full frames. Its own error is the part that the squares cannot show.
-const LevelSettings& referenceSettings();
+/// What squares of a frame are compared with (spot_check.h), and what level `views` renders: the
+/// mean of so many pinhole views through points of the lens.
+/// @param blur_px  the largest blur radius in view, >= 0
+int viewsOfTruth(float blur_px);
 
 /// Relative times of the levels, in the order of `QualityLevel`: the first guess before any level
 /// was timed. Measured on the gallery at 1280 x 720.

@@ -1,4 +1,4 @@
-// The error of a quality level on a frame, measured on small squares of the frame: it depends on
+// The errors of quality levels on a frame, measured on small squares of the frame: they depend on
 // the scene in view, which no table of blur radii can know.
 #pragma once
 
@@ -6,6 +6,8 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "render/methods/lod_splats.h"
@@ -13,45 +15,74 @@
 
 namespace foci {
 
-/// Squares of one frame: 48 tiles, spread evenly over the view. A view of fewer than twice as many
-/// tiles is one square. On the CPU, the reference's squares are rendered side by side, and all
-/// others as parts of the full frame, which keeps them (`LodSplats::renderWindows`). 48 tiles
-/// estimate the error of 95 % of the pixels within 20 %
-/// (SpotCheckTest.EstimatesTheErrorFromSomeSquares), the first 16 of them within a factor of two.
+/// Compares squares of one frame with the truth: the mean of pinhole views through points of the
+/// lens. Up to 144 squares of 16 px are spread evenly over the view. They are rendered bit by bit,
+/// in a fixed order, so that the work can be spread over many frames. The CPU renders, whatever
+/// renders the frames: both then choose the same level.
 class SpotCheck {
  public:
-  /// @param scene  stays alive while this exists. It may then render `frame`, which keeps the tiles
-  ///               that are rendered.
-  /// @param reference  the settings that all others are compared with
-  /// @param frame  of the view's size; its pixels are overwritten while this exists
-  SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
-            const LodSettings& reference, Frame& frame);
-  ~SpotCheck() { scene_.forgetWindows(); }
+  /// @param blur_px  the largest blur radius in view
+  /// @param levels   what is compared: the first one square by square with the truth, then the
+  ///                 others. All have one acuity.
+  SpotCheck(std::shared_ptr<const MomentTree> tree, const View& view,
+            const RenderSettings& settings, float blur_px, std::vector<LodSettings> levels);
 
-  /// The difference from the reference that 95 % of the squares' pixels stay below, in
-  /// just-noticeable differences at 40 pixels a degree (visible_difference.h).
-  /// @param limit  the caller compares the difference with this. If the first 16 squares are
-  ///               clearly above or below, the other squares are not rendered; below, the result
-  ///               is then an upper bound.
-  float error(const LodSettings& lod, float limit);
+  /// Renders the next part: about as much as the share `kShareOfFrame` of a frame.
+  void step();
+  /// Whether the first level, or every level, is compared in all squares.
+  bool isFirstDone() const { return done_ >= squares_.size() * firstJobs(); }
+  bool isDone() const { return done_ == squares_.size() * (firstJobs() + levels_.size() - 1); }
+
+  /// The difference of a level from the truth that 95 % of the squares' pixels stay below, as far
+  /// as rendered, in just-noticeable differences at 40 pixels a degree (visible_difference.h).
+  /// Absent before a level was compared in a quarter of the squares.
+  std::optional<float> error(std::size_t level) const;
+
+  /// The same for the truth itself, from the difference of the halves of its views.
+  std::optional<float> errorOfViews() const;
 
  private:
-  Frame render(const Window& square, const LodSettings& lod);
-  /// The squares [begin, end).
-  std::vector<Frame> render(std::size_t begin, std::size_t end, const LodSettings& lod);
-  /// The differences from the reference of the squares [begin, end), pixel by pixel.
-  std::vector<float> differences(std::size_t begin, std::size_t end, const LodSettings& lod);
-  std::unique_ptr<LodSplats> idleSplats();
+  struct Square {
+    glm::ivec2 corner_px;
+    View view;
+    Cut cut;                                // of its views; empty before and after them
+    Frame even, odd;                        // sums of views
+    std::vector<glm::vec3> first, truth;    // as the eye sees them
+    std::vector<float> halves_apart;        // of the truth
+    std::vector<std::vector<float>> apart;  // from the truth, by level
+  };
+  /// The level or the view that a job renders.
+  struct Job {
+    std::size_t square;
+    std::optional<std::size_t> level, view;
+  };
+  /// Of a square: the first level, then the views.
+  std::size_t firstJobs() const { return 1 + points_.size(); }
+  Job job(std::size_t number) const;
+  Cut cutOf(const View& view) const;
+  Frame render(const Job& job);
+  void add(const Job& job, const Frame& frame);
+  void compareViews(Square& square) const;
+  void compare(Square& square, std::size_t level, const std::vector<glm::vec3>& seen) const;
+  template <typename ValuesOf>
+  std::optional<float> quantileOf(const ValuesOf& valuesOf) const;
+  struct Buffers {
+    explicit Buffers(std::shared_ptr<const MomentTree> tree) : levels(std::move(tree)) {}
+    LodSplats levels;
+    SplatChunks chunks;
+    TileLists lists;
+  };
+  std::unique_ptr<Buffers> idleBuffers();
 
-  LodSplats& scene_;
-  View view_;
+  std::shared_ptr<const MomentTree> tree_;
   RenderSettings settings_;
-  LodSettings reference_;
-  std::vector<Window> squares_;
-  std::vector<Frame> references_;  // of the first squares, as far as they were needed
-  Frame& frame_;                   // whose tiles at squares are rendered
+  float blur_px_;
+  std::vector<LodSettings> levels_;
+  std::vector<LensPart> points_;
+  std::vector<Square> squares_;
+  std::size_t done_ = 0, views_a_step_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<LodSplats>> idle_;  // buffers of squares rendered side by side
+  std::vector<std::unique_ptr<Buffers>> idle_;  // of squares rendered side by side
 };
 
 }  // namespace foci

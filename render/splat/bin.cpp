@@ -50,20 +50,6 @@ void sortByKey(std::span<std::uint64_t> pairs, std::uint32_t* splats,
 
 }  // namespace
 
-std::vector<std::uint32_t> TileLists::tilesMeeting(std::span<const Window> windows) const {
-  std::vector<std::uint32_t> tiles;
-  for (const Window& window : windows) {
-    const glm::ivec2 first = window.corner_px / kTile;
-    const glm::ivec2 end = (window.corner_px + window.size_px + kTile - 1) / kTile;
-    for (int y = first.y; y < end.y; ++y) {
-      for (int x = first.x; x < end.x; ++x) tiles.push_back(tileAt(x, y));
-    }
-  }
-  std::sort(tiles.begin(), tiles.end());
-  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
-  return tiles;
-}
-
 int stepFor(float sigma_px) {
   int step_px = kMaxStep_px;
   while (step_px > 1 && !(sigma_px >= kSigmasAStep * static_cast<float>(step_px))) step_px /= 2;

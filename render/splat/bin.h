@@ -30,11 +30,6 @@ struct Tile {
   int samplesWithApron() const { return side_px / step_px + 2 * apron(); }
 };
 
-/// A rectangle of the image.
-struct Window {
-  glm::ivec2 corner_px, size_px;
-};
-
 /// Largest distance of samples for kernels of at least this standard deviation: a power of two.
 int stepFor(float sigma_px);
 
@@ -48,8 +43,6 @@ class TileLists {
   void build(const SplatChunks& chunks, const glm::ivec2& size_px, bool coarse = false);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
-  /// The tiles that meet any of these windows, each once.
-  std::vector<std::uint32_t> tilesMeeting(std::span<const Window> windows) const;
   std::span<const std::uint32_t> splats(std::size_t tile) const {
     return {entries_.data() + begin_[tile], entries_.data() + begin_[tile + 1]};
   }

@@ -85,11 +85,10 @@ struct ListSurvey {
 
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame) {
-  const std::size_t tile_count = settings.tiles ? settings.tiles->size() : lists.tiles().size();
+  const std::size_t tile_count = lists.tiles().size();
   std::vector<std::size_t> fragments(tile_count);
   const glm::vec2 meridian = nearestMeridian(settings.defocus);
-  parallelFor(tile_count, [&](std::size_t i) {
-    const std::size_t t = settings.tiles ? (*settings.tiles)[i] : i;
+  parallelFor(tile_count, [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
     static thread_local ListSurvey survey;
@@ -123,7 +122,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
             1.0f),
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
-    fragments[i] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, survey.transparent);
+    fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, survey.transparent);
     interpolateTile(tile, rgba, job.depth_m, 1.0f, frame);
   });
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});

@@ -30,8 +30,7 @@ struct SweepSettings {
   Defocus defocus;           ///< the one that projected the splats
   float low_pass_px = 0.0f;  ///< standard deviation of a low-pass of the frame (`closingFactor`)
   bool depth = false;        ///< fill Frame::depth_m
-  const SubApertures* sub_apertures = nullptr;        ///< null: the whole aperture only
-  const std::vector<std::uint32_t>* tiles = nullptr;  ///< the tiles to render; null: all
+  const SubApertures* sub_apertures = nullptr;  ///< null: the whole aperture only
 };
 
 /// Renders binned splats (docs/formulas.md, section 6).

@@ -70,10 +70,11 @@ TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
   const Json summary = Json::parse(outcome.out);
 
   const auto csv = csvOf(folder.read("out/chart.csv"));
-  EXPECT_EQ(csv[0], (std::vector<std::string>{
-                        "scene", "blur_px", "method", "setting", "threads", "ms_median", "ms_min",
-                        "psnr_dB", "ssim", "silhouette_psnr_dB", "coverage_error",
-                        "reference_psnr_dB", "on_frontier", "visible_error", "expected_error"}));
+  EXPECT_EQ(csv[0], (std::vector<std::string>{"scene", "blur_px", "method", "setting", "threads",
+                                              "ms_median", "ms_min", "psnr_dB", "ssim",
+                                              "silhouette_psnr_dB", "coverage_error",
+                                              "reference_psnr_dB", "on_frontier", "visible_error",
+                                              "expected_error", "tolerance_met", "quality_level"}));
   EXPECT_EQ(csv.size() - 1, summary.at("points").size());
   std::set<std::string> charted, listed;
   for (std::size_t i = 1; i < csv.size(); ++i) {

@@ -73,6 +73,8 @@ TEST_F(Replay, TabulatesEveryFrame) {
                                                "splats",
                                                "fragments",
                                                "tolerance_error",
+                                               "tolerance_met",
+                                               "quality_level",
                                                "vergence_D",
                                                "vergence_error_D",
                                                "vergence_disagrees",

@@ -189,7 +189,10 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
         << cell(one.silhouette_psnr_dB ? numberHtml(*one.silhouette_psnr_dB, 2) : "n/a")
         << cell(decimal(100.0 * one.coverage_error, 3) + "&thinsp;%")
         << cell(decimal(one.visible_error, 2) +
-                (one.expected_error ? " (predicted " + decimal(*one.expected_error, 2) + ")" : ""))
+                (one.expected_error ? " (predicted " + decimal(*one.expected_error, 2) : "") +
+                (one.quality_level ? ", " + textOf(*one.quality_level) : "") +
+                (one.tolerance_met == false ? ", beyond the tolerance" : "") +
+                (one.expected_error ? ")" : ""))
         << cell(numberHtml(one.reference_psnr_dB, 2)) << cell(one.on_frontier ? "yes" : "", "yes")
         << "</tr>\n";
   }

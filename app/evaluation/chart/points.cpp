@@ -49,7 +49,8 @@ std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const st
 std::string csvOf(const std::vector<ChartPoint>& points) {
   std::string csv =
       "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,silhouette_psnr_dB,"
-      "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error\n";
+      "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error,"
+      "tolerance_met,quality_level\n";
   for (const ChartPoint& one : points) {
     const auto& silhouette = one.silhouette_psnr_dB;
     csv += csvField(one.scene) + ',' + decimal(one.blur_px, 0) + ',' + one.method.name + ',' +
@@ -59,7 +60,9 @@ std::string csvOf(const std::vector<ChartPoint>& points) {
            decimal(one.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + ',' +
            decimal(one.coverage_error, 6) + ',' + decimalOrInf(one.reference_psnr_dB, 3) + ',' +
            (one.on_frontier ? "yes" : "no") + ',' + decimal(one.visible_error, 3) + ',' +
-           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + '\n';
+           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + ',' +
+           (one.tolerance_met ? *one.tolerance_met ? "yes" : "no" : "n/a") + ',' +
+           (one.quality_level ? textOf(*one.quality_level) : "n/a") + '\n';
   }
   return csv;
 }

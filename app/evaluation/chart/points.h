@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/evaluation/evaluated_methods.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 
@@ -22,6 +23,8 @@ struct ChartPoint {
   double coverage_error = 0.0;
   double visible_error = 0.0;
   std::optional<double> expected_error = {};
+  std::optional<bool> tolerance_met = {};
+  std::optional<QualityLevel> quality_level = {};
   double reference_psnr_dB = 0.0;  ///< of the reference: one half of its views against the other
   bool on_frontier = false;        ///< see `markFrontiers`
 };

@@ -96,14 +96,17 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
   one.coverage_error = 0.0125;
   one.visible_error = 1.25;
   one.expected_error = 1.5;
+  one.tolerance_met = false;
+  one.quality_level = QualityLevel::views;
   one.on_frontier = true;
   EXPECT_EQ(
       csvOf({one, point("sweep", 2.0, 30.0)}),
       "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
       "silhouette_psnr_dB,coverage_error,reference_psnr_dB,on_frontier,visible_error,"
-      "expected_error\n"
-      "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes,1.250,1.500\n"
-      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no,0.000,n/a\n");
+      "expected_error,tolerance_met,quality_level\n"
+      "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes,1.250,1.500,"
+      "no,auto:9\n"
+      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no,0.000,n/a,n/a,n/a\n");
 }
 
 // The error that `auto` predicts bounds the measured error on every scene of the chart. The
@@ -252,6 +255,8 @@ TEST_F(ChartCellsTest, LoadsResultsUnderTheSameKeyOnly) {
                        .coverage_error = 1e-9,
                        .visible_error = 1.0 / 7.0,
                        .expected_error = 0.7,
+                       .tolerance_met = true,
+                       .quality_level = QualityLevel::fine,
                        .first_ms = 7.25,
                        .ms = {{1, {2.0, 3.0}}, {16, {0.1}}}};
   cells.store("a", "plane", cell);
@@ -263,6 +268,8 @@ TEST_F(ChartCellsTest, LoadsResultsUnderTheSameKeyOnly) {
   EXPECT_EQ(back->coverage_error, cell.coverage_error);
   EXPECT_EQ(back->visible_error, cell.visible_error);
   EXPECT_EQ(back->expected_error, cell.expected_error);
+  EXPECT_EQ(back->tolerance_met, cell.tolerance_met);
+  EXPECT_EQ(back->quality_level, cell.quality_level);
   EXPECT_EQ(back->first_ms, cell.first_ms);
   EXPECT_EQ(back->ms, cell.ms);
   EXPECT_FALSE(cells.load("b", "plane"));

@@ -23,15 +23,16 @@ TEST(QualityLevel, ItsNumbersStayTheSame) {
   EXPECT_EQ(textOf(QualityLevel::whole_aperture), "auto:3");
   EXPECT_EQ(textOf(QualityLevel::fine), "auto:5");
   EXPECT_EQ(textOf(QualityLevel::softest), "auto:8");
+  EXPECT_EQ(textOf(QualityLevel::views), "auto:9");
 }
 
 TEST(QualityLevel, OtherTextIsNoLevel) {
-  for (const char* text : {"", "auto", "auto:", "auto:0", "auto:9", "auto:3x", "auto:-1",
+  for (const char* text : {"", "auto", "auto:", "auto:0", "auto:10", "auto:3x", "auto:-1",
                            "autumn:3", "sweep-lod:3", "3"}) {
     EXPECT_EQ(qualityLevelFrom(text), std::nullopt) << text;
   }
   EXPECT_EQ(qualityLevelNumbered(0), std::nullopt);
-  EXPECT_EQ(qualityLevelNumbered(9), std::nullopt);
+  EXPECT_EQ(qualityLevelNumbered(10), std::nullopt);
 }
 
 }  // namespace

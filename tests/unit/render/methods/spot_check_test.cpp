@@ -11,59 +11,69 @@ namespace foci {
 namespace {
 
 constexpr LodSettings kBest{.cut = kFaithfulCut, .sub_apertures = 7};
-constexpr LodSettings kCoarse{.cut = {.per_blur2 = 0.06f, .per_pixel2 = 0.3f}};
+constexpr LodSettings kCoarse{.cut = {.per_blur2 = 0.2f, .per_pixel2 = 0.6f}};
+constexpr LodSettings kPinhole{.cut = kPixelCut, .sharp = true};
 
 class SpotCheckTest : public ::testing::Test {
  protected:
+  SpotCheckTest() {
+    addSheetOf(cloud, {.center_m = {0.1f, 0.2f, 0.1f},
+                       .right = {0.6f, 0.0f, -0.8f},
+                       .up = {0.0f, 1.0f, 0.0f},
+                       .side_m = 0.3f,
+                       .samples = 60,
+                       .color = {0.8f, 0.1f, 0.1f}});
+  }
+
   SurfelCloud cloud = makePlane(160, 1.0f);
-  LodSplats scene{cloud};
-  RenderSettings settings = blurredBy(40.0f, 1.0f / 1.27f);
+  View view = [] {
+    View tilted = squareViewOf(320, 480.0f);
+    tilted.eye_from_world =
+        eyeFromWorld({0.0f, 0.9f, 0.9f}, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f});
+    return tilted;
+  }();
+  float blur_px = 10.0f;  // bounds that of the plane
 
-  static View tilted(int size_px) {
-    View view = squareViewOf(size_px, 1.5f * static_cast<float>(size_px));
-    view.eye_from_world = eyeFromWorld({0.0f, 0.9f, 0.9f}, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f});
-    return view;
-  }
-
-  float errorOf(const View& view, const LodSettings& lod, float limit) {
-    Frame frame;
-    frame.resize(view.size_px);
-    return SpotCheck(scene, view, settings, kBest, frame).error(lod, limit);
-  }
-
-  Frame rendered(const View& view, const LodSettings& lod) {
-    Frame frame;
-    frame.resize(view.size_px);
-    scene.render(view, settings, lod, frame);
-    return frame;
+  SpotCheck checkOf(const RenderSettings& settings) const {
+    return {treeOf(cloud),
+            view,
+            settings,
+            settings.defocus.radius_px_per_D.x > 0 ? blur_px : 0.0f,
+            {kCoarse, kBest, kPinhole}};
   }
 };
 
-constexpr float kLimit = 1.0f;
-
-TEST_F(SpotCheckTest, OfASmallViewComparesTheFullFrames) {
-  for (const int size_px : {20, 128}) {
-    const View view = tilted(size_px);
-    auto apart =
-        visibleDifference(rendered(view, kCoarse), rendered(view, kBest), kUsualPx_per_deg);
-    EXPECT_EQ(errorOf(view, kCoarse, kLimit), quantile(apart, 0.95)) << size_px;
-    EXPECT_EQ(errorOf(view, kBest, kLimit), 0.0f);
+TEST_F(SpotCheckTest, MeasuresTheErrorAgainstManyViews) {
+  const RenderSettings settings = blurredBy(20.0f, 1.0f / 1.27f);
+  SpotCheck check = checkOf(settings);
+  EXPECT_FALSE(check.error(0));
+  int steps = 0;
+  while (!check.isDone()) {
+    check.step();
+    EXPECT_LT(++steps, 1000);
   }
+  EXPECT_GT(steps, 3);
+  const Frame truth = renderedBy("accumulate:256", cloud, view, settings);
+  LodSplats scene(cloud);
+  for (const std::size_t level : {0u, 2u}) {
+    Frame frame;
+    frame.resize(view.size_px);
+    scene.render(view, settings, level == 0 ? kCoarse : kPinhole, frame);
+    auto apart = visibleDifference(frame, truth, kUsualPx_per_deg);
+    const float expected = quantile(apart, 0.95);
+    EXPECT_GT(expected, 0.3f) << level;
+    EXPECT_NEAR(*check.error(level), expected, 0.25f * expected) << level;
+  }
+  EXPECT_LT(*check.error(1), *check.error(0));
+  EXPECT_LT(*check.errorOfViews(), 0.5f);
 }
 
-// A few squares estimate the error of a larger image. Fewer squares suffice where the error is far
-// from the limit.
-TEST_F(SpotCheckTest, EstimatesTheErrorFromSomeSquares) {
-  const View view = tilted(416);
-  auto apart = visibleDifference(rendered(view, kCoarse), rendered(view, kBest), kUsualPx_per_deg);
-  const float expected = quantile(apart, 0.95);
-  EXPECT_GT(expected, 0.2f);
-  for (const float limit : {0.1f * expected, expected}) {
-    EXPECT_NEAR(errorOf(view, kCoarse, limit), expected, 0.2f * expected) << limit;
-  }
-  const float at_most = errorOf(view, kCoarse, 10.0f * expected);
-  EXPECT_GE(at_most, expected);
-  EXPECT_LE(at_most, 2.4f * expected);
+// No surfel that a square shows is left out of its views: without blur they are the frame.
+TEST_F(SpotCheckTest, ASharpFrameIsItsOwnTruth) {
+  SpotCheck check = checkOf(blurredBy(0.0f, 0.0f));
+  while (!check.isDone()) check.step();
+  EXPECT_LT(*check.error(2), 0.01f);
+  EXPECT_EQ(*check.errorOfViews(), 0.0f);
 }
 
 }  // namespace
