@@ -160,8 +160,10 @@ class AutoMethod final : public Method {
     if (!distances) return 0.0f;
     const float max_D = std::max(maxDefocus_D(defocus, 1.0f / distances->first),
                                  maxDefocus_D(defocus, 1.0f / distances->second));
-    return max_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y) +
-           aberrationRadius_px(defocus, settings.pupil);
+    constexpr float kWidest_px = 1e6f;  // an eye that touches a surface sees an infinite blur
+    return std::min(max_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y) +
+                        aberrationRadius_px(defocus, settings.pupil),
+                    kWidest_px);
   }
 
   QualityLevel choose(const UnblurredView& view, const RenderSettings& settings, float blur_px) {
