@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "app/platform/gnuplot.h"
 #include "app/graphics/html.h"
+#include "app/platform/gnuplot.h"
 #include "base/text.h"
 
 namespace foci {

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "base/input_error.h"
-#include "gaze/sources/table_row.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/rows.h"
+#include "gaze/sources/table_row.h"
 
 namespace foci {
 namespace {

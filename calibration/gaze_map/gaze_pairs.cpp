@@ -8,9 +8,9 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/table_row.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/rows.h"
+#include "gaze/sources/table_row.h"
 
 namespace foci {
 namespace {

@@ -48,7 +48,8 @@ glm::vec3 filtered(const std::vector<float>& weights, int i, int count, const At
 /// CIE 1976 L*a*b* of linear RGB.
 glm::vec3 labOf(const glm::vec3& rgb) {
   const auto curve = [](float t) {
-    return t > kLinearBelow ? static_cast<float>(std::cbrt(double{t})) : kLinearSlope * t + 16.0f / 116.0f;
+    return t > kLinearBelow ? static_cast<float>(std::cbrt(double{t}))
+                            : kLinearSlope * t + 16.0f / 116.0f;
   };
   const glm::vec3 xyz = kXyzOfWhite * rgb;
   return kLabOfCurve * glm::vec3(curve(xyz.x), curve(xyz.y), curve(xyz.z)) -

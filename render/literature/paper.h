@@ -1,10 +1,10 @@
 // From the paper's splats to a frame, for `paper` and `paper-lod`.
 #pragma once
 
-#include "render/methods/method.h"
 #include "render/literature/paper/abuffer.h"
 #include "render/literature/paper/splat.h"
 #include "render/literature/paper/tiles.h"
+#include "render/methods/method.h"
 
 namespace foci {
 

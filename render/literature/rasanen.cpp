@@ -14,8 +14,8 @@
 
 #include "base/parallel.h"
 #include "render/kernel/limits.h"
-#include "render/methods/method.h"
 #include "render/literature/random_bits.h"
+#include "render/methods/method.h"
 #include "render/methods/view_splats.h"
 
 namespace foci {
@@ -61,7 +61,9 @@ class KernelSampler {
     const float which = static_cast<float>(bits & 0xffffff) * kUnit;
     const float u = static_cast<float>((bits >> 24) & 0xffffff) * kUnit;
     // Inverse transform sampling: the distribution function of t^m is t^(m + 1).
-    const float t = which < flat_ ? u : which < not_bell_ ? std::sqrt(u) : static_cast<float>(std::cbrt(double{u}));
+    const float t = which < flat_       ? u
+                    : which < not_bell_ ? std::sqrt(u)
+                                        : static_cast<float>(std::cbrt(double{u}));
     const glm::vec2 p = std::sqrt(1.0f - t) * directions[bits >> 52];
     const float y = p.y / l22_;
     return center_px_ + glm::vec2((p.x - l21_ * y) / l11_, y);

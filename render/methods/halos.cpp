@@ -19,8 +19,7 @@ constexpr int kDirections = 6;
 constexpr double kLeastSigma = 2.5;
 
 int directionOf(const LensPart& part) {
-  const double turns =
-      std::atan2(double{part.centre.y}, double{part.centre.x}) / std::numbers::pi;
+  const double turns = std::atan2(double{part.centre.y}, double{part.centre.x}) / std::numbers::pi;
   const int nearest = static_cast<int>(std::lround(kDirections * turns));
   return (nearest + 2 * kDirections) % kDirections;
 }

@@ -28,7 +28,8 @@ glm::vec3 planeTexture(glm::vec2 p) {
       mark = std::fmod(std::floor(radius * 20.0f), 2.0f) * (radius < 0.42f ? 1.0f : 0.0f);
       break;
     case 2:  // Siemens star
-      mark = radius < 0.42f && std::sin(std::atan2(double{d.y}, double{d.x}) * 12.0) > 0.0 ? 1.0f : 0.0f;
+      mark = radius < 0.42f && std::sin(std::atan2(double{d.y}, double{d.x}) * 12.0) > 0.0 ? 1.0f
+                                                                                           : 0.0f;
       break;
     default:
       mark = lines(inside.x * 6.0f + inside.y * 3.0f, 0.18f) * (radius < 0.45f ? 1.0f : 0.0f);

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "app/graphics/drawing.h"
-#include "app/platform/gnuplot.h"
 #include "app/graphics/html.h"
+#include "app/platform/gnuplot.h"
 #include "app/platform/json_text.h"
 #include "app/platform/shell_word.h"
 #include "app/replay/compare.h"
