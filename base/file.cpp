@@ -2,20 +2,17 @@
 
 #include <unistd.h>
 
-#include <cctype>
 #include <cerrno>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
 
+#include "base/words.h"
+
 namespace foci {
 namespace fs = std::filesystem;
 
-std::string lowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
+std::string lowerExtension(const fs::path& path) { return lowered(path.extension().string()); }
 
 std::string cannotWrite(const fs::path& path) {
   const std::string text = "cannot write " + path.string();

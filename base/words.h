@@ -9,6 +9,7 @@
 namespace foci {
 
 /// In small letters, as far as they are ASCII.
+char lowered(char c);
 std::string lowered(std::string_view text);
 
 /// What stands between blanks, or between other characters.

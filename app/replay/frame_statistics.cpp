@@ -24,8 +24,8 @@ ChartRow chartRow(const FrameRecord& record) {
 
 }  // namespace
 
-void FrameStatistics::add(const FrameRecord& record, double tolerance) {
-  if (record.stats.tolerance_error > tolerance && frames_over_++ == 0) {
+void FrameStatistics::add(const FrameRecord& record) {
+  if (record.stats.tolerance_met == false && frames_over_++ == 0) {
     first_over_s_ = record.time_s;
   }
   worst_error_ = std::max(worst_error_, record.stats.tolerance_error.value_or(0.0));

@@ -13,8 +13,7 @@ namespace foci {
 
 class FrameStatistics {
  public:
-  /// @param tolerance  of the frame, JND
-  void add(const FrameRecord& record, double tolerance);
+  void add(const FrameRecord& record);
 
   void fill(RunSummary& summary);
   void fill(ReportFacts& facts) const;

@@ -74,7 +74,6 @@ Json jsonOf(const PartFrame& frame) {
       {"render_ms", record.stats.ms},
       {"rendered", record.rendered},
       {"marker", frame.seen.marker},
-      {"tolerance", frame.seen.tolerance},
   };
   if (!frame.image.empty()) {
     json["image"] = frame.image;
@@ -121,7 +120,6 @@ PartFrame partFrameOf(const Json& json) {
   record.stats.ms = json.at("render_ms").get<double>();
   record.rendered = json.at("rendered").get<bool>();
   frame.seen.marker = json.at("marker").get<bool>();
-  frame.seen.tolerance = json.at("tolerance").get<double>();
   frame.image = json.value("image", "");
   frame.sha256 = json.value("sha256", "");
   frame.maps_sha256 = json.value("maps_sha256", std::vector<std::string>());

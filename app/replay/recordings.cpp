@@ -1,7 +1,6 @@
 #include "app/replay/recordings.h"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "app/replay/recordings_page.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "gaze/webcam/webcam_frames.h"
 
 namespace foci {
@@ -56,31 +56,25 @@ std::string nameOf(const std::filesystem::path& file, std::size_t parts, bool ex
   return safeName(name);
 }
 
-/// Of the names without the case of their letters: some file systems ignore it.
-std::string caseless(std::string name) {
-  std::ranges::transform(name, name.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name;
-}
-
+/// Whatever the case of their letters, which some file systems ignore.
 bool differ(const std::vector<std::string>& names) {
   std::set<std::string> all;
-  for (const std::string& name : names) all.insert(caseless(name));
+  for (const std::string& name : names) all.insert(lowered(name));
   return all.size() == names.size();
 }
 
 /// The names, with numbers after those that another name equals.
 std::vector<std::string> numbered(std::vector<std::string> names) {
   std::set<std::string> all;
-  for (const std::string& name : names) all.insert(caseless(name));
+  for (const std::string& name : names) all.insert(lowered(name));
   std::set<std::string> taken;
   for (std::string& name : names) {
     const std::string stem = name;
-    for (int number = 2; taken.contains(caseless(name)); ++number) {
+    for (int number = 2; taken.contains(lowered(name)); ++number) {
       std::string next = stem + "-" + std::to_string(number);
-      if (!all.contains(caseless(next))) name = std::move(next);
+      if (!all.contains(lowered(next))) name = std::move(next);
     }
-    taken.insert(caseless(name));
+    taken.insert(lowered(name));
   }
   return names;
 }

@@ -80,12 +80,12 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   // Before the time of the frame counts.
   if (choosesQuality(settings.method)) session.renderer().pass(render_request);
   const Frame& frame = session.render(render_request, record);
-  const double tolerance = settings.quality.tolerance;
-  if (record.stats.tolerance_error > tolerance) {
-    warnings.add(
-        "5 % of the pixels may err by more than quality.tolerance = " + significant(tolerance, 2) +
-        " just-noticeable differences, by up to " + decimal(*record.stats.tolerance_error, 1) +
-        ": method auto has no better quality level (docs/methods.md)");
+  if (record.stats.tolerance_met == false) {
+    warnings.add("5 % of the pixels may err by more than quality.tolerance = " +
+                 significant(settings.quality.tolerance, 2) +
+                 " just-noticeable differences, by up to " +
+                 decimal(*record.stats.tolerance_error, 1) +
+                 ": method auto has no better quality level (docs/methods.md)");
   }
   if (const std::string remark = session.deviceRemark(); !remark.empty()) warnings.add(remark);
   OutputFiles files(request.guard);

@@ -57,7 +57,6 @@ RenderedFrame& ReplayedEye::seeKept(std::size_t frame, SeenFrame& seen) {
   RenderedFrame& rendered = session_.renderKept(methodOf(frame), seen.record);
   seen.gaze_px = session_.gazePoints_px(seen.record);
   seen.marker = study_.output.marker;
-  seen.tolerance = study_.quality.tolerance;
   return rendered;
 }
 

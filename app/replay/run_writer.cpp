@@ -119,7 +119,7 @@ void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image
   Image shown = image;
   if (seen.marker) drawGazeMarkers(seen.gaze_px, seen.record, shown);
   table_.add(frame, seen.record);
-  statistics_.add(seen.record, seen.tolerance);
+  statistics_.add(seen.record);
   agreement_.add(seen.record);
   hash_.add(shown.rgb);
   if (study_.output.images) {

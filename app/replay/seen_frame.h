@@ -12,7 +12,6 @@ struct SeenFrame {
   FrameRecord record{};
   std::vector<glm::dvec2> gaze_px{};  ///< in the image, one for each view
   bool marker = false;                ///< the image shows where the observer looks
-  double tolerance = 1.0;             ///< in force, just-noticeable differences
 };
 
 }  // namespace foci

@@ -4,11 +4,14 @@
 #include <array>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 
 namespace foci {
 namespace {
@@ -16,21 +19,6 @@ namespace {
 constexpr double kLeast_nm = 360.0, kMost_nm = 830.0;
 constexpr std::size_t kMostSamples = 10000;
 constexpr std::uintmax_t kMostBytes = 4 << 20;  // far above such a table
-
-/// Words of a line between commas, semicolons, tabs and blanks.
-std::vector<std::string> wordsOf(const std::string& line) {
-  std::vector<std::string> words;
-  std::string word;
-  for (const char c : line + ",") {
-    if (c == ',' || c == ';' || c == '\t' || c == ' ' || c == '\r') {
-      if (!word.empty()) words.push_back(word);
-      word.clear();
-    } else {
-      word += c;
-    }
-  }
-  return words;
-}
 
 }  // namespace
 
@@ -44,7 +32,7 @@ std::vector<SpectrumSample> readSpectra(const std::filesystem::path& file) {
     };
     ++number;
     if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
-    const std::vector<std::string> words = wordsOf(line);
+    const std::vector<std::string_view> words = wordsOf(line, ",;\t \r");
     if (words.empty() || words[0].starts_with('#')) continue;
     if (spectra.empty() && !parseNumber(words[0])) continue;  // the heading
     if (words.size() != 4) {

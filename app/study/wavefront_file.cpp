@@ -15,6 +15,7 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 
 namespace foci {
 namespace {
@@ -27,13 +28,6 @@ struct Row {
   int line = 0;
   std::vector<std::string> cells;
 };
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return result;
-}
 
 std::string unquoted(std::string_view text) {
   text = trimmed(text);
@@ -137,14 +131,14 @@ class WavefrontTable {
     decimal_comma_ = separator != ',';
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const int line = static_cast<int>(i) + 1;
-      if (const auto other = otherOrderIn(lower(lines[i]), separator)) {
+      if (const auto other = otherOrderIn(lowered(lines[i]), separator)) {
         fail(line, *other + ": expected the order of OSA and ANSI Z80.28");
       }
       std::string_view content = trimmed(lines[i]);
       if (content.starts_with('#')) {
         // A comment may hold the pupil.
         content = trimmed(content.substr(1));
-        if (!lower(content).starts_with("pupil")) continue;
+        if (!lowered(content).starts_with("pupil")) continue;
       }
       if (content.empty()) continue;
       rows_.push_back({line, cellsOf(content, separator)});
@@ -176,7 +170,7 @@ class WavefrontTable {
     if (!unit.empty() && unit != "mm") {
       fail(row.line, "pupil = " + shown(cell) + ": expected mm");
     }
-    const bool radius = lower(name).find("radius") != name.npos;
+    const bool radius = lowered(name).find("radius") != name.npos;
     const double mm = (radius ? 2.0 : 1.0) * number(row, cell.substr(0, end), "pupil");
     if (!(mm >= kLeastPupil_mm && mm <= kMostPupil_mm)) {
       fail(row.line, "pupil = " + shown(cell) + ": expected a diameter of 1 to 12 mm");
@@ -185,7 +179,7 @@ class WavefrontTable {
   }
 
   static bool namesPupil(const std::string& cell) {
-    const std::string text = lower(cell);
+    const std::string text = lowered(cell);
     return text.starts_with("pupil") || text.starts_with("diameter") ||
            text.starts_with("analysis diameter") || text.starts_with("zone");
   }
@@ -206,7 +200,7 @@ class WavefrontTable {
           std::isdigit(static_cast<unsigned char>(cells[1][0])) == 0) {
         return false;
       }
-      if (cells.size() == 3 && lower(cells[2]) == "mm") cells.pop_back();
+      if (cells.size() == 3 && lowered(cells[2]) == "mm") cells.pop_back();
       if (cells.size() != 2) return false;
       const double mm = pupilOf(row, cells[0], cells[1]);
       if (named && *named != mm) fail(row.line, "a second pupil: expected one for the table");
@@ -244,7 +238,7 @@ class WavefrontTable {
 
   /// Micrometres of one of the unit that a heading names.
   double unitOf(const Row& row, const std::string& heading) const {
-    const std::string text = lower(heading);
+    const std::string text = lowered(heading);
     if (text.find("wave") != text.npos || text.find("lambda") != text.npos) {
       fail(row.line, shown(heading) + ": expected micrometres, not waves");
     }
@@ -269,7 +263,7 @@ class WavefrontTable {
 
   /// -1: left, 1: right.
   int sideOf(const Row& row, const std::string& cell) const {
-    const std::string text = lower(cell);
+    const std::string text = lowered(cell);
     if (text == "od" || text == "r" || text == "re" || text == "right" || text == "right eye") {
       return 1;
     }
@@ -292,7 +286,7 @@ class WavefrontTable {
     const Row& head = rows_.front();
     int eye_column = -1, pupil_column = -1;
     for (std::size_t c = 0; c < head.cells.size(); ++c) {
-      if (lower(head.cells[c]) == "eye") eye_column = static_cast<int>(c);
+      if (lowered(head.cells[c]) == "eye") eye_column = static_cast<int>(c);
       if (namesPupil(head.cells[c])) pupil_column = static_cast<int>(c);
     }
     if (rows_.size() < 2) fail(head.line, "a heading without a row of coefficients");
@@ -339,7 +333,7 @@ class WavefrontTable {
   Columns columnsOf(const Row& head, bool& has_heading) const {
     Columns columns;
     for (std::size_t c = 0; c < head.cells.size(); ++c) {
-      const std::string text = lower(withoutUnit(head.cells[c]));
+      const std::string text = lowered(withoutUnit(head.cells[c]));
       const int at = static_cast<int>(c);
       const auto is = [&](std::initializer_list<const char*> words) {
         return std::any_of(words.begin(), words.end(), [&](const char* w) { return text == w; });

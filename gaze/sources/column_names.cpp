@@ -7,6 +7,7 @@
 #include "base/nearest.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 
 namespace foci {
 namespace {
@@ -70,7 +71,7 @@ std::string spelledPlainly(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool micro =
         text.substr(i).starts_with("\xce\xbc") || text.substr(i).starts_with("\xc2\xb5");
-    plain += micro ? 'u' : lowerCase(text[i]);
+    plain += micro ? 'u' : lowered(text[i]);
     i += micro;
   }
   return plain;

@@ -16,6 +16,7 @@
 
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"
@@ -249,7 +250,7 @@ class AscReader {
   void readCalibration(double time_s, std::size_t at) {
     TrackerCalibration result{.time_s = time_s};
     const auto lower = [&](std::size_t word) {
-      return lowerCase(word < words_.size() ? words_[word] : "");
+      return lowered(word < words_.size() ? words_[word] : "");
     };
     result.kind = lower(at);
     if (at + 1 < words_.size()) result.targets = words_[at + 1];

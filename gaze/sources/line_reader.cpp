@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "base/words.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {
@@ -75,16 +76,8 @@ InputError LineReader::error(const std::string& what) const {
   return InputError(name_ + ":" + std::to_string(number_), what);
 }
 
-char lowerCase(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-std::string lowerCase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = lowerCase(c);
-  return lower;
-}
-
 bool equalsIgnoringCase(std::string_view text, std::string_view lower) {
-  return std::ranges::equal(text, lower, [](char a, char b) { return lowerCase(a) == b; });
+  return std::ranges::equal(text, lower, [](char a, char b) { return lowered(a) == b; });
 }
 
 bool isAbsent(std::string_view field) {

@@ -82,9 +82,6 @@ class LineReader final : public Place {
   bool ended_ = true;
 };
 
-/// ASCII in lower case.
-char lowerCase(char c);
-std::string lowerCase(std::string_view text);
 /// @param lower  in lower case
 bool equalsIgnoringCase(std::string_view text, std::string_view lower);
 

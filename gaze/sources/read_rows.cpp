@@ -5,6 +5,7 @@
 
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/column_names.h"
@@ -87,7 +88,7 @@ struct WatchedColumn {
   /// Whether the values may be people or recordings. The parts of an experiment are none.
   bool mayBePeople(std::string_view name) const {
     if (values.size() < 2 || std::min(shortest, rows) < kShortest) return false;
-    const std::string key = lowerCase(name);
+    const std::string key = lowered(name);
     for (const std::string_view part :
          {"trial",    "block",    "cond",  "stim",    "image", "picture", "page",    "task",
           "phase",    "event",    "label", "word",    "item",  "target",  "marker",  "message",

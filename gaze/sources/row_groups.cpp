@@ -10,6 +10,7 @@
 #include "base/number.h"
 #include "base/quantile.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/table_layout.h"
 
@@ -51,7 +52,7 @@ bool namesPeople(std::string_view key) {
 
 /// 0: left, 1: right.
 std::optional<std::size_t> sideNamed(std::string_view value) {
-  std::string word = lowerCase(value);
+  std::string word = lowered(value);
   std::erase_if(word, [](char c) { return c == ' ' || c == '_'; });
   if (isWordOf("l left lefteye os", word)) return 0;
   if (isWordOf("r right righteye od", word)) return 1;

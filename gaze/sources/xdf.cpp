@@ -18,6 +18,7 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "gaze/sources/lsl_stream.h"
 #include "gaze/sources/recording_formats.h"
 
@@ -303,11 +304,11 @@ class XdfFile {
 }  // namespace
 
 bool LslStream::isMarkers() const {
-  return hasTexts() || (hasNumbers() && rate_Hz == 0.0 && lowerCase(type) == "markers");
+  return hasTexts() || (hasNumbers() && rate_Hz == 0.0 && lowered(type) == "markers");
 }
 
 bool LslStream::isGaze() const {
-  const std::string both = lowerCase(type + " " + name);
+  const std::string both = lowered(type + " " + name);
   return hasNumbers() && !isMarkers() &&
          (both.find("gaze") != both.npos || both.find("eye") != both.npos);
 }
