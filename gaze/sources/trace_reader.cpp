@@ -6,7 +6,9 @@
 #include "base/input_error.h"
 #include "base/memory_budget.h"
 #include "base/text.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/recording_formats.h"
+#include "gaze/sources/table_layout.h"
 #include "gaze/sources/trace_doubts.h"
 #include "gaze/sources/trace_summary.h"
 
