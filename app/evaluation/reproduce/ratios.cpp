@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <string_view>
 
 namespace foci {
 namespace {
@@ -12,7 +13,7 @@ constexpr std::size_t kLargest = kApertures - 1;
 
 /// The row of `method` at `aperture` with the threads of `row`.
 const ReproduceRow& beside(const std::vector<ReproduceRow>& rows, const ReproduceRow& row,
-                           const std::string& method, std::size_t aperture) {
+                           std::string_view method, std::size_t aperture) {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const ReproduceRow& one) {
     return one.method == method && one.aperture == aperture && one.threads == row.threads;
   });

@@ -1,4 +1,5 @@
 // The gallery: the places and the paint of its exhibits. Lamps and shadows are in gallery_light.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>

@@ -135,9 +135,12 @@ bool namesDegrees(std::string_view line) {
 /// The columns that a line of names describes; absent if it does not name x, y and z.
 std::optional<TextColumns> columnsNamed(std::string_view line) {
   const std::vector<ColumnName> names = namesIn(line);
+  int last = kNone;  // column in use
   const auto columnOf = [&](std::initializer_list<std::string_view> any) {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      if (std::find(any.begin(), any.end(), names[i].name) != any.end()) return static_cast<int>(i);
+      if (std::find(any.begin(), any.end(), names[i].name) == any.end()) continue;
+      last = std::max(last, static_cast<int>(i));
+      return static_cast<int>(i);
     }
     return kNone;
   };
@@ -167,7 +170,9 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
     columns.format = "Project Aria scan";
     columns.doubt = {columnOf({"dist_std"}), columnOf({"inv_dist_std"}), kNone};
   }
-  if (const int track = columnOf({"track"}); track != kNone && columnOf({"point3d_id"}) != kNone) {
+  const bool numbered = columnOf({"point3d_id"}) != kNone;
+  const int before_track = last;
+  if (const int track = columnOf({"track"}); numbered && track > before_track) {
     columns.format = "COLMAP points";
     columns.count = static_cast<std::size_t>(track);
     columns.more = true;

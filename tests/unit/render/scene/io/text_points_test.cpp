@@ -213,6 +213,13 @@ TEST_F(TextPoints, TracksOfColmapHaveAnyLength) {
   EXPECT_TRUE(has(refusal(names + "1 0 0 0 255 0 0\n", "a.txt"), "has 7 numbers: expected 8"));
 }
 
+TEST_F(TextPoints, ATrackBeforeThePositionIsAColumn) {
+  const PointCloud points = read("POINT3D_ID,TRACK,X,Y,Z\n1,9,2,3,4\n", "a.csv");
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points.position_m[0], glm::vec3(2, 3, 4));
+  EXPECT_NE(points.format, "COLMAP points");
+}
+
 TEST_F(TextPoints, AnObjMayHoldPointsOnly) {
   const auto path =
       scratch.write("p.obj", "# scan\no scan\nvn 0 0 1\nv 1 2 3 1 0 0\n  v 4 5 6 0 1 0.5\np 1 2\n");
