@@ -49,6 +49,9 @@ lint() {
 step "attacks"
 python3 tests/attacks/attacks.py build/release/foci
 
+step "workflow on a real SLURM, where slurm-wlm and munge are installed"
+python3 tests/batch/slurm_test.py build/release/foci || [ $? -eq 77 ]
+
 step "python: build and test"
 cmake --preset python >/dev/null
 cmake --build --preset python --target foci_python

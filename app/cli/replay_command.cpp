@@ -33,28 +33,38 @@ struct ReplayOptions : StudyOptions {
   bool overwrite = false;
 };
 
-/// A frame's number; `absent` for an empty text.
-std::size_t frameOf(const std::string& option, std::string_view text, std::size_t absent) {
+/// A whole number of --frames; `absent` for an empty text.
+std::size_t countOf(const std::string& option, std::string_view text, std::size_t absent) {
   constexpr double kMaxFrame = 1e9;  // far above what a replay renders
   if (text.empty()) return absent;
   const auto number = parseNumber(text);
   if (!number || *number < 0 || *number > kMaxFrame || *number != std::floor(*number)) {
-    throw InputError("--frames " + option,
-                     "expected FIRST:END, e.g. 0:900; the part ends before frame END");
+    throw InputError(
+        "--frames " + option,
+        "expected FIRST:END, e.g. 0:900; the part ends before frame END; or PART/PARTS, "
+        "e.g. 1/4");
   }
   return static_cast<std::size_t>(*number);
 }
 
-FrameSpan spanOf(const std::string& text) {
-  const std::size_t at = text.find(':');
+FramesAsked framesOf(const std::string& text) {
   const std::string_view all = text;
+  if (const std::size_t at = text.find('/'); at != text.npos) {
+    const FramesAsked asked{.part = countOf(text, all.substr(0, at), 0),
+                            .parts = countOf(text, all.substr(at + 1), 0)};
+    if (asked.part < 1 || asked.part > asked.parts) {
+      throw InputError("--frames " + text, "expected PART/PARTS, 1/4 to 4/4 for four parts");
+    }
+    return asked;
+  }
+  const std::size_t at = text.find(':');
   const FrameSpan span{
-      .first = frameOf(text, at == text.npos ? "?" : all.substr(0, at), 0),
-      .end = frameOf(text, all.substr(at + 1), std::numeric_limits<std::size_t>::max())};
+      .first = countOf(text, at == text.npos ? "?" : all.substr(0, at), 0),
+      .end = countOf(text, all.substr(at + 1), std::numeric_limits<std::size_t>::max())};
   if (span.first >= span.end) {
     throw InputError("--frames " + text, "expected FIRST before END");
   }
-  return span;
+  return {.span = span};
 }
 
 /// `foci replay --trace A.tsv STUDY`: the study may come after the recordings.
@@ -66,12 +76,12 @@ void takeStudyFromTraces(ReplayOptions& options) {
 }
 
 void runPart(const ReplayOptions& options, StudyAsked&& asked, unsigned threads) {
-  const FrameSpan span = spanOf(options.frames);
+  const FramesAsked frames = framesOf(options.frames);
   std::vector<std::filesystem::path> outputs = partFiles(options.out);
   outputs.emplace_back(options.write_study);
   const OutputGuard guard(outputs, inputFiles(asked.study), options.overwrite);
   ReplayedScene scene(std::move(asked.scene));
-  const FrameSpan rendered = replayPart(asked.study, span, options.out, threads, scene, guard);
+  const FrameSpan rendered = replayPart(asked.study, frames, options.out, threads, scene, guard);
   saveStudy(options, asked, guard);
   if (options.json) {
     std::printf("{\"first\":%zu,\"end\":%zu}\n", rendered.first, rendered.end);
@@ -211,8 +221,8 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
       ->type_name("FROM:TO");
   command
       ->add_option("--frames", options->frames,
-                   "render only frames FIRST to END - 1, for foci join")
-      ->type_name("FIRST:END");
+                   "render only frames FIRST to END - 1, or one of equal parts, for foci join")
+      ->type_name("FIRST:END|PART/PARTS");
   command
       ->add_option("--heatmap", options->heatmap,
                    "also write the scene's surfels with the time that gaze rested on each, .ply")

@@ -83,8 +83,16 @@ Json headOf(const Study& study, const FrameSpan& span, std::size_t frames, unsig
           {"inputs", inputs}};
 }
 
-/// The part of the span that the run has.
-FrameSpan within(const FrameSpan& span, std::size_t frames) {
+/// The frames asked for that the run has.
+FrameSpan within(const FramesAsked& asked, std::size_t frames) {
+  const auto& [span, part, parts] = asked;
+  if (parts > 0) {
+    if (parts > frames) {
+      throw InputError("--frames " + std::to_string(part) + "/" + std::to_string(parts),
+                       "the run has " + std::to_string(frames) + " frames: fewer than parts");
+    }
+    return {(part - 1) * frames / parts, part * frames / parts};
+  }
   if (span.first >= frames) {
     throw InputError("--frames " + spanText(span),
                      "the run has frames 0 to " + std::to_string(frames - 1));
@@ -154,11 +162,11 @@ std::vector<std::filesystem::path> partFiles(const std::filesystem::path& out) {
   return files;
 }
 
-FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::filesystem::path& out,
+FrameSpan replayPart(const Study& study, const FramesAsked& asked, const std::filesystem::path& out,
                      unsigned threads, ReplayedScene& scene, const OutputGuard& guard) {
   Warnings of_inputs, rendering;
   const ReplayedGaze gaze = readReplayedGaze(study, of_inputs);
-  const FrameSpan own = within(span, gaze.schedule.frames);
+  const FrameSpan own = within(asked, gaze.schedule.frames);
   const std::string portable = portableToml(study);  // before the work, since it can be refused
   ReplayedEye eye(gaze.study, gaze, scene.of(gaze.study, of_inputs), rendering);
   InputHashes hashes(study, scene.hashed);

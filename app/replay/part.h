@@ -23,6 +23,12 @@ struct FrameSpan {
   bool operator==(const FrameSpan&) const = default;
 };
 
+/// The frames that a part is asked for: a span, or one of `parts` equal parts, `part` from 1 on.
+struct FramesAsked {
+  FrameSpan span{};  ///< its end may lie behind that of the run
+  std::size_t part = 0, parts = 0;
+};
+
 /// A frame of a part as its folder holds it.
 struct PartFrame {
   SeenFrame seen;
@@ -52,10 +58,9 @@ struct Part {
 std::vector<std::filesystem::path> partFiles(const std::filesystem::path& out);
 
 /// Renders a part into `out`. The eye looks at the frames before, but they are not rendered.
-/// @param span  its end may lie behind that of the run
 /// @return the part's span
-/// @throws InputError as `replay`, and for a span or a study that has no parts
-FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::filesystem::path& out,
+/// @throws InputError as `replay`, and for frames that the run lacks or a study that has no parts
+FrameSpan replayPart(const Study& study, const FramesAsked& asked, const std::filesystem::path& out,
                      unsigned threads, ReplayedScene& scene, const OutputGuard& guard);
 
 /// @throws InputError

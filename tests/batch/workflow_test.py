@@ -45,7 +45,7 @@ def replays():
             words = (process / "cmdline").read_bytes().split(b"\0")
         except (OSError, ValueError):
             continue
-        if len(words) > 3 and words[0].endswith(b"foci") and words[1] == b"replay":
+        if len(words) > 3 and words[0].endswith(b"foci") and words[1] == b"replay" and b"--frames" not in words:
             found[int(process.name)] = words
     return found
 
@@ -58,8 +58,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         subjects = ["sub-01", "sub-02", "sub-03"]
-        counting = folder / "counting"  # notes each replay that begins
-        counting.write_text(f'#!/bin/sh\n[ "$1" != replay ] || echo "$4" >> {folder}/begun\nexec {foci} "$@"\n')
+        counting = folder / "counting"  # notes each replay of a whole recording that begins
+        counting.write_text(f'#!/bin/sh\ncase "$*" in *--frames*) ;; replay*) echo "$4" >> {folder}/begun ;; esac\nexec {foci} "$@"\n')
         counting.chmod(0o755)
         for subject in subjects:
             recording(foci, folder, subject)
@@ -94,6 +94,13 @@ def main():
             events = out / subject / "beh" / f"{subject}_task-look_recording-eye1_physioevents.tsv.gz"
             assert "saccade" in gzip.decompress(events.read_bytes()).decode()
 
+        # A recording in parts, which are joined, has the same frames.
+        subprocess.run([*command, "out=split", "parts=2"], cwd=folder, env=environment, capture_output=True, check=True)
+        hashes = [[line.split("\t")[-1] for line in (place / "recordings.tsv").read_text().splitlines()]
+                  for place in (out, folder / "split")]
+        assert hashes[0] == hashes[1], hashes
+        assert not (folder / "split/parts").exists() or not list((folder / "split/parts").rglob("*.png"))
+
         keyless = [*command[:command.index("--config") + 1], "bids=data"]
         refused = subprocess.run(keyless, cwd=folder, env=environment, capture_output=True, text=True)
         assert refused.returncode == 1 and "expected --config study=" in refused.stderr, refused.stderr
@@ -102,13 +109,13 @@ def main():
             """Recordings whose replay begins when the workflow is started with these words more."""
             (folder / "begun").write_text("")
             subprocess.run([*command, *words], cwd=folder, env=environment, capture_output=True, text=True, check=True)
-            return len((folder / "begun").read_text().split())
+            return (folder / "begun").read_text().split()
 
         again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
         assert "Nothing to be done" in again.stdout + again.stderr, again.stderr
         shutil.rmtree(out / "sub-02" / "beh" / "sub-02_task-look_recording-eye1_foci")
-        assert started() == 1
-        assert started("options=--set observer.pupil_mm=3") == len(subjects)
+        assert len(started()) == 1
+        assert len(started("options=--set observer.pupil_mm=3")) == len(subjects)
         for subject in subjects:
             manifest = json.loads((out / subject / "beh" / f"{subject}_task-look_recording-eye1_foci" / "manifest.json").read_text())
             assert manifest["configuration"]["observer"]["pupil_mm"] == 3, subject

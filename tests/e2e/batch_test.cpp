@@ -100,7 +100,7 @@ TEST_F(Batch, AFoveatedRunHasParts) {
 }
 
 TEST_F(Batch, AnotherMethodHasParts) {
-  expectJoinedEqual({"--method", "sweep", "--set", "output.images=true"}, {"0:2", "2:"});
+  expectJoinedEqual({"--method", "sweep", "--set", "output.images=true"}, {"3/3", "1/3", "2/3"});
   EXPECT_EQ(folder.read("joined/frame-000003.png"), folder.read("whole/frame-000003.png"));
 }
 
@@ -235,6 +235,9 @@ TEST_F(Batch, RefusesPartsThatDependOnTimeOrOnTheFrameBefore) {
   expectRefused({"--frames", "4:2"}, "FIRST before END");
   expectRefused({"--frames", "4"}, "FIRST:END");
   expectRefused({"--frames", "-1:4"}, "FIRST:END");
+  expectRefused({"--frames", "0/2"}, "expected PART/PARTS");
+  expectRefused({"--frames", "3/2"}, "expected PART/PARTS");
+  expectRefused({"--frames", "1/7"}, "the run has 6 frames");
   expectRefused({"--frames", "0:2", "--trace", "trace.tsv", "study.toml"}, "one recording");
 }
 
