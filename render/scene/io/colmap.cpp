@@ -6,7 +6,6 @@
 #include <string>
 
 #include "base/input_error.h"
-#include "render/image/srgb.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/scan_values.h"
 
@@ -69,10 +68,8 @@ PointCloud readColmap(const std::filesystem::path& path) {
     }
     at += kImageBytes * images;
     if (!positions.append(placeOf(point))) continue;
-    const auto light = [&](std::size_t k) {
-      return linearFromSrgb(static_cast<float>(point[kColorAt + k]) / 255.0f);
-    };
-    points.color.emplace_back(light(0), light(1), light(2));
+    const auto rgb = point.subspan(kColorAt);
+    points.color.push_back(linearColor(glm::vec3(rgb[0], rgb[1], rgb[2]) / 255.0f));
   }
   positions.finish(file.name());
   return points;

@@ -5,7 +5,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "base/input_error.h"
 #include "render/scene/io/gaussian_formats.h"
@@ -27,21 +29,18 @@ bool isOfType(const Element& element, Scalar type) {
                      [&](const ply::Property& each) { return !each.list && each.type == type; });
 }
 
-template <std::size_t N>
-bool beginsWith(const Element& element, const std::array<std::string_view, N>& names) {
-  return element.properties.size() >= N &&
-         std::equal(
-             names.begin(), names.end(), element.properties.begin(),
-             [](std::string_view name, const ply::Property& each) { return each.name == name; });
+/// Whether these are the names of all properties, or of the first ones.
+bool hasNames(const Element& element, std::span<const std::string_view> names) {
+  return element.properties.size() <= names.size() &&
+         std::ranges::equal(element.properties, names.first(element.properties.size()), {},
+                            &ply::Property::name);
 }
 
-constexpr std::array<std::string_view, 12> kRanges = {
-    "min_x",       "min_y",       "min_z",       "max_x",       "max_y",       "max_z",
-    "min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"};
-constexpr std::array<std::string_view, 18> kRangesWithColor = {
+constexpr std::array<std::string_view, 18> kRanges = {
     "min_x",       "min_y",       "min_z",       "max_x",       "max_y",       "max_z",
     "min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z",
     "min_r",       "min_g",       "min_b",       "max_r",       "max_g",       "max_b"};
+constexpr std::size_t kRangesWithoutColor = 12;
 constexpr std::array<std::string_view, 4> kPacked = {"packed_position", "packed_rotation",
                                                      "packed_scale", "packed_color"};
 
@@ -84,7 +83,7 @@ RawGaussian unpacked(const Packed& packed, const Chunk& chunk) {
 }
 
 std::vector<Chunk> readChunks(ply::Input& input, const Element& element) {
-  const bool colored = element.properties.size() > kRanges.size();
+  const bool colored = element.properties.size() == kRanges.size();
   std::vector<Chunk> chunks(element.count);
   for (Chunk& chunk : chunks) {
     const unsigned char* bytes = input.take(element.properties.size() * sizeof(float));
@@ -116,15 +115,13 @@ Layout layoutOf(const ply::Header& header, const std::string& file) {
   Layout layout{ply::elementNamed(header, "chunk"), ply::elementNamed(header, "vertex"),
                 ply::elementNamed(header, "sh")};
   if (header.format != ply::Format::little) throw refuse("expected format binary_little_endian");
-  if (layout.chunk == nullptr || !isOfType(*layout.chunk, Scalar::float32) ||
-      !(layout.chunk->properties.size() == kRanges.size()
-            ? beginsWith(*layout.chunk, kRanges)
-            : layout.chunk->properties.size() == kRangesWithColor.size() &&
-                  beginsWith(*layout.chunk, kRangesWithColor))) {
+  const std::size_t ranges = layout.chunk == nullptr ? 0 : layout.chunk->properties.size();
+  if ((ranges != kRanges.size() && ranges != kRangesWithoutColor) ||
+      !isOfType(*layout.chunk, Scalar::float32) || !hasNames(*layout.chunk, kRanges)) {
     throw refuse("expected an element chunk of float min_x, min_y, ... (12 or 18 properties)");
   }
   if (layout.vertex == nullptr || layout.vertex->properties.size() != kPacked.size() ||
-      !isOfType(*layout.vertex, Scalar::uint32) || !beginsWith(*layout.vertex, kPacked)) {
+      !isOfType(*layout.vertex, Scalar::uint32) || !hasNames(*layout.vertex, kPacked)) {
     throw refuse("element vertex: expected uint packed_position, _rotation, _scale and _color");
   }
   const std::size_t needed = (layout.vertex->count + kChunk - 1) / kChunk;

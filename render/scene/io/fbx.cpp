@@ -90,8 +90,7 @@ class FbxMesh {
       throw InputError(path_.string(), "repeats its parts more than a million times");
     }
     const glm::mat3 turn(scene_from_mesh);
-    const bool flat = glm::determinant(turn) == 0.0f;
-    const glm::mat3 of_normals = flat ? turn : glm::transpose(glm::inverse(turn));
+    const glm::mat3 of_normals(normalsFrom(turn));
     const Placement placement = placementOf(mesh.mMaterialIndex);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];

@@ -96,10 +96,21 @@ struct GltfDocument::Records {
   std::size_t stride = 0;
 };
 
+namespace {
+
+/// Null if there is none.
+const Json* memberOf(const Json& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
 std::size_t numberIn(const GltfDocument& gltf, const Json& object, const char* key,
                      std::size_t otherwise) {
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  if (!object.is_object() || found == object.end()) return otherwise;
+  const Json* const found = memberOf(object, key);
+  if (found == nullptr) return otherwise;
   if (found->is_number_unsigned() && found->get<std::size_t>() <= kLargest) {
     return found->get<std::size_t>();
   }
@@ -109,13 +120,13 @@ std::size_t numberIn(const GltfDocument& gltf, const Json& object, const char* k
 
 const Json& arrayIn(const Json& object, const char* key) {
   static const Json kEmpty = Json::array();
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  return object.is_object() && found != object.end() && found->is_array() ? *found : kEmpty;
+  const Json* const found = memberOf(object, key);
+  return found != nullptr && found->is_array() ? *found : kEmpty;
 }
 
 const Json* partOf(const Json& object, const char* key) {
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  return object.is_object() && found != object.end() && found->is_object() ? &*found : nullptr;
+  const Json* const found = memberOf(object, key);
+  return found != nullptr && found->is_object() ? found : nullptr;
 }
 
 const Json* extensionOf(const Json& object, const char* name) {
@@ -326,7 +337,8 @@ GltfDocument::Records GltfDocument::recordsOf(const std::string& what, const Jso
 }
 
 template <class To>
-std::vector<To> GltfDocument::values(std::size_t number, std::size_t components) const {
+std::vector<To> GltfDocument::values(std::size_t number, std::size_t components,
+                                     bool as_unit) const {
   const Json& accessor = accessorAt(number);
   const std::string what = "accessor " + std::to_string(number);
   const std::size_t count = countOf(number), type = numberIn(*this, accessor, "componentType", 0);
@@ -336,7 +348,7 @@ std::vector<To> GltfDocument::values(std::size_t number, std::size_t components)
            std::to_string(componentsOf(number)) + " each: expected " + std::to_string(components) +
            (std::is_same_v<To, float> ? " numbers" : " integer"));
   }
-  const bool normalized = accessor.value("normalized", Json()) == true && type != 5126;
+  const bool normalized = (as_unit || accessor.value("normalized", Json()) == true) && type != 5126;
   const std::size_t bytes = bytesOfComponent(type);
   std::vector<To> values;
   if (accessor.contains("bufferView")) {
@@ -374,12 +386,13 @@ std::vector<To> GltfDocument::values(std::size_t number, std::size_t components)
   return values;
 }
 
-std::vector<float> GltfDocument::floats(std::size_t accessor, std::size_t components) const {
-  return values<float>(accessor, components);
+std::vector<float> GltfDocument::floats(std::size_t accessor, std::size_t components,
+                                        bool as_unit) const {
+  return values<float>(accessor, components, as_unit);
 }
 
 std::vector<std::uint32_t> GltfDocument::integers(std::size_t accessor) const {
-  return values<std::uint32_t>(accessor, 1);
+  return values<std::uint32_t>(accessor, 1, false);
 }
 
 }  // namespace foci

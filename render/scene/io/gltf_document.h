@@ -44,9 +44,11 @@ class GltfDocument {
 
   /// The numbers of an accessor, record by record; normalised integers as 0 to 1 or -1 to 1.
   /// @param components  that each record must have
+  /// @param as_unit     integers are normalised, whatever the accessor says
   /// @throws InputError if there is no such accessor, it has another type, or it reaches beyond its
   /// view or buffer
-  std::vector<float> floats(std::size_t accessor, std::size_t components) const;
+  std::vector<float> floats(std::size_t accessor, std::size_t components,
+                            bool as_unit = false) const;
   /// The same for indices.
   std::vector<std::uint32_t> integers(std::size_t accessor) const;
 
@@ -73,7 +75,7 @@ class GltfDocument {
   Records recordsOf(const std::string& what, const Json& object, std::size_t count,
                     std::size_t components, std::size_t type) const;
   template <class To>
-  std::vector<To> values(std::size_t accessor, std::size_t components) const;
+  std::vector<To> values(std::size_t accessor, std::size_t components, bool as_unit) const;
 
   std::filesystem::path path_;
   MappedFile file_;

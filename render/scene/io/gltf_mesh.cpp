@@ -145,9 +145,7 @@ class GltfMeshReader {
       applySkin(place, json, positions, normals);
     } else if (place.scene_from_mesh != glm::dmat4(1.0)) {
       for (glm::vec3& p : positions) p = glm::vec3(place.scene_from_mesh * glm::dvec4(p, 1.0));
-      const glm::dmat3 turn(place.scene_from_mesh);
-      const bool flat = glm::determinant(turn) == 0.0;
-      const glm::dmat3 of_normals = flat ? turn : glm::transpose(glm::inverse(turn));
+      const glm::dmat3 of_normals = normalsFrom(glm::dmat3(place.scene_from_mesh));
       for (glm::vec3& n : normals) n = glm::vec3(of_normals * glm::dvec3(n));
     }
     const bool mirrored = glm::determinant(glm::dmat3(place.scene_from_mesh)) < 0.0;
@@ -225,10 +223,7 @@ class GltfMeshReader {
     for (std::size_t v = 0; v < positions.size(); ++v) {
       const glm::mat4 to = totals[v] > 0.0f ? sums[v] / totals[v] : joints[0];
       positions[v] = glm::vec3(to * glm::vec4(positions[v], 1.0f));
-      if (normals.empty()) continue;
-      const glm::mat3 turn(to);
-      const bool flat = glm::determinant(turn) == 0.0f;
-      normals[v] = (flat ? turn : glm::transpose(glm::inverse(turn))) * normals[v];
+      if (!normals.empty()) normals[v] = glm::mat3(normalsFrom(glm::mat3(to))) * normals[v];
     }
   }
 

@@ -93,11 +93,8 @@ class GltfPointReader {
     for (std::size_t i = 0; i < count; ++i) {
       const glm::dvec4 p(glm::dvec3(vectorAt(positions, i)), 1.0);
       if (!positions_.append(glm::dvec3(scene_from_node * p))) continue;
-      glm::vec3 normal(0.0f);
-      if (!normals.empty()) {
-        const glm::dvec3 n = turn * glm::dvec3(vectorAt(normals, i));
-        if (const double length = glm::length(n); length > 1e-12) normal = glm::vec3(n / length);
-      }
+      const glm::vec3 normal =
+          normals.empty() ? glm::vec3(0.0f) : unitNormal(turn * glm::dvec3(vectorAt(normals, i)));
       has_normals_ = has_normals_ || normal != glm::vec3(0.0f);
       points_.normal.push_back(normal);
       glm::vec4 light(glm::vec3(kUncolouredLight), 1.0f);

@@ -237,7 +237,8 @@ std::vector<float> GltfPrimitive::floats(const std::string& attribute,
       for (float& value : values) value = std::max(value / most, -1.0f);
     }
   } else {
-    values = gltf_.floats(accessor, components);
+    // Integer colours are normalised (3.7.2.1), and some exporters forget to say so.
+    values = gltf_.floats(accessor, components, /*as_unit=*/attribute.starts_with("COLOR_"));
   }
   if (values.size() == vertices_ * components) return values;
   gltf_.refuse("a primitive cannot be read: it has " + thousands(static_cast<double>(vertices_)) +

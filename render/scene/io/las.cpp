@@ -13,7 +13,6 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/image/srgb.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/las_coordinates.h"
 #include "render/scene/io/scan_values.h"
@@ -211,13 +210,6 @@ class LasPlaces {
   glm::dvec2 degree_m_{0.0};
 };
 
-glm::vec3 linearOfCodes(const std::array<std::uint16_t, 3>& codes, float white) {
-  const auto linear = [&](std::uint16_t code) {
-    return linearFromSrgb(static_cast<float>(code) / white);
-  };
-  return {linear(codes[0]), linear(codes[1]), linear(codes[2])};
-}
-
 }  // namespace
 
 PointCloud readLas(const std::filesystem::path& path) {
@@ -251,7 +243,8 @@ PointCloud readLas(const std::filesystem::path& path) {
   if (has_color && brightest > 0) {
     const float white = brightest > 255 ? 65535.0f : 255.0f;
     points.color.reserve(codes.size());
-    for (const auto& code : codes) points.color.push_back(linearOfCodes(code, white));
+    for (const auto& [r, g, b] : codes)
+      points.color.push_back(linearColor(glm::vec3(r, g, b) / white));
     remarkDark(points);
   } else {
     points.color = greyOf(intensity);

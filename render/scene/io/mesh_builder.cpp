@@ -7,7 +7,6 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/image/srgb.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/io/triangulate.h"
 #include "render/scene/mesh/orientation.h"
@@ -63,9 +62,8 @@ void remarkFarApart(TriangleMesh& mesh) {
 
 }  // namespace
 
-glm::vec3 linearColor(const glm::vec3& srgb) {
-  const auto linear = [](float x) { return linearFromSrgb(x >= 0.0f ? std::min(x, 1.0f) : 0.0f); };
-  return {linear(srgb.x), linear(srgb.y), linear(srgb.z)};
+glm::dmat3 normalsFrom(const glm::dmat3& places) {
+  return glm::determinant(places) == 0.0 ? places : glm::transpose(glm::inverse(places));
 }
 
 std::uint16_t MeshBuilder::addObject(std::string name) {

@@ -17,6 +17,7 @@
 
 #include "render/scene/io/mesh.h"
 #include "render/scene/io/mesh_textures.h"
+#include "render/scene/io/scan_values.h"
 
 namespace foci {
 
@@ -28,11 +29,11 @@ struct MeshCorner {
   float alpha = 1.0f;
 };
 
+/// What turns normals where a matrix turns places: the transposed inverse, if there is one.
+glm::dmat3 normalsFrom(const glm::dmat3& places);
+
 /// sRGB 0.6 in linear light, of surfaces for which a file has no colour.
 inline constexpr glm::vec3 kPlainSurface{0.3185f};
-
-/// Linear light of an sRGB colour, which is clamped to 0 to 1; NaN becomes 0.
-glm::vec3 linearColor(const glm::vec3& srgb);
 
 /// A material as read, and what `foci info` says of it; absent for one that the file does not have.
 struct ReadMaterial {

@@ -33,11 +33,20 @@ class ObjParser {
     while (at_ < end_) {
       line_ = at_;
       skipBlanks();
-      if (!atEnd()) takeLine();
+      if (!atEnd()) {
+        takeLine();
+      } else if (at_ < end_ && *at_ == '#') {
+        takeComment();
+      }
       while (at_ < end_ && !isLineEnd(*at_)) ++at_;
       while (at_ < end_ && isLineEnd(*at_)) ++at_;
     }
     judgeEnd();
+    if (painted_.size() == file_.positions.size() && file_.colors.empty()) {
+      file_.colors = std::move(painted_);
+    } else if (!painted_.empty()) {
+      file_.remarks.emplace_back("its colours of ZBrush (#MRGB) are not one a vertex: left out");
+    }
     if (free_form_) file_.remarks.emplace_back("its free-form curves and surfaces are left out");
     return std::move(file_);
   }
@@ -138,6 +147,21 @@ class ObjParser {
       ++file_.lines;
     } else {
       free_form_ |= word == "curv" || word == "surf";
+    }
+  }
+
+  /// ZBrush writes the colours of the vertices as comments, eight digits each: #MRGB ffRRGGBB...
+  void takeComment() {
+    constexpr std::string_view kKey = "#MRGB";
+    constexpr std::size_t kDigits = 8;
+    std::string_view codes = takeRest();
+    if (!codes.starts_with(kKey)) return;
+    for (codes = trimmed(codes.substr(kKey.size())); codes.size() >= kDigits;
+         codes.remove_prefix(kDigits)) {
+      std::uint32_t code = 0;
+      const char* const end = codes.data() + kDigits;
+      if (std::from_chars(codes.data(), end, code, 16).ptr != end) return;
+      painted_.push_back(glm::vec3(code >> 16u & 255u, code >> 8u & 255u, code & 255u) / 255.0f);
     }
   }
 
@@ -250,6 +274,7 @@ class ObjParser {
   ObjFile file_;
   std::uint32_t material_ = 0, object_ = 0;
   std::map<std::string, std::uint32_t> material_numbers_, object_numbers_;
+  std::vector<glm::vec3> painted_;  // by ZBrush
   bool free_form_ = false;
 };
 
@@ -280,11 +305,7 @@ std::vector<std::string> separateNames(std::string_view names) {
 
 ObjFile parseObj(const std::filesystem::path& path) {
   const MappedFile file(path);
-  const std::string_view text = textOf(file);
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-    throw InputError(path.string(), "is text in UTF-16: save it in UTF-8");
-  }
-  return ObjParser(path.string(), withoutByteOrderMark(text)).parse();
+  return ObjParser(path.string(), withoutByteOrderMark(textOf(file))).parse();
 }
 
 std::vector<std::filesystem::path> librariesOf(const std::filesystem::path& obj,

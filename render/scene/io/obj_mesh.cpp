@@ -51,9 +51,7 @@ PointCloud pointsOf(ObjFile&& obj, const std::filesystem::path& path) {
     if (!positions.append(obj.positions[i])) continue;
     const bool colored = i < obj.colors.size() && obj.colors[i].x >= 0.0f;
     points.color.push_back(colored ? obj.colors[i] : glm::vec3(kUncolouredLight));
-    if (!has_normals) continue;
-    const float length = glm::length(obj.normals[i]);
-    points.normal.push_back(length > 0.0f ? obj.normals[i] / length : glm::vec3(0.0f));
+    if (has_normals) points.normal.push_back(unitNormal(obj.normals[i]));
   }
   positions.finish(path.string());
   remarkDark(points);

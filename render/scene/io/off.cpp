@@ -15,7 +15,6 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "base/words.h"
-#include "render/image/srgb.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
@@ -41,11 +40,8 @@ std::optional<glm::vec4> offColor(const std::vector<double>& row, std::size_t at
   }
   // (1, 1, 1) is white, since nobody writes it for the darkest grey of 255.
   const double white = most > 1.0 ? 255.0 : 1.0;
-  const auto linear = [&](std::size_t i) {
-    return linearFromSrgb(static_cast<float>(row[at + i] / white));
-  };
   const float alpha = count > 3 ? static_cast<float>(row[at + 3] / white) : 1.0f;
-  return glm::vec4(linear(0), linear(1), linear(2), alpha);
+  return glm::vec4(linearColor(glm::dvec3(row[at], row[at + 1], row[at + 2]) / white), alpha);
 }
 
 class OffReader {
@@ -197,17 +193,13 @@ class OffReader {
     if (position_.empty()) throw InputError(input_.name(), "has no vertices");
     PointCloud points;
     points.position_m.assign(position_.begin(), position_.end());
-    for (glm::vec3& n : normal_) {
-      const float length = glm::length(n);
-      n = length > 0.0f ? n / length : glm::vec3(0.0f);
-    }
+    for (glm::vec3& n : normal_) n = unitNormal(n);
     points.normal = std::move(normal_);
-    points.color.assign(position_.size(), glm::vec3(kUncolouredLight));
-    for (std::size_t i = 0; i < color_.size(); ++i) {
-      if (color_[i].x >= 0.0f) points.color[i] = glm::vec3(color_[i]);
+    for (std::uint32_t i = 0; i < position_.size(); ++i) {
+      const glm::vec4 color = vertexColor(i);
+      points.color.push_back(color.x >= 0.0f ? glm::vec3(color) : glm::vec3(kUncolouredLight));
+      points.opacity.push_back(color.a);
     }
-    points.opacity.assign(position_.size(), 1.0f);
-    for (std::size_t i = 0; i < color_.size(); ++i) points.opacity[i] = color_[i].a;
     dropPlainOpacity(points);
     if (const auto remark = originRemark(origin_)) points.remarks.push_back(*remark);
     return points;

@@ -20,12 +20,6 @@ constexpr std::size_t kMaxLabels = 1000;
 
 float toFloat(double x) { return static_cast<float>(x); }
 
-glm::vec3 normalOf(const glm::dvec3& n) {
-  const double length = glm::length(n);
-  const bool usable = length > 1e-12 && length < 1e150;  // false for NaN
-  return usable ? glm::vec3(n / length) : glm::vec3(0.0f);
-}
-
 /// The object of a label. Its name is the label.
 std::uint16_t objectOf(SceneObjects& objects, double label, const ply::Items& items) {
   if (!(std::abs(label) <= 1e9) || label != std::floor(label)) {
@@ -98,7 +92,7 @@ PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::strin
     const glm::dvec3 p = items.vector(layout.position);
     if (!(fine ? positions.append(p) : positions.appendInPlace(p))) continue;
     if (!layout.color.empty()) points.color.emplace_back(items.vector(layout.color));
-    if (!layout.normal.empty()) points.normal.push_back(normalOf(items.vector(layout.normal)));
+    if (!layout.normal.empty()) points.normal.push_back(unitNormal(items.vector(layout.normal)));
     if (layout.intensity) {
       const double value = items.value(*layout.intensity);
       intensity.push_back(std::isfinite(value) ? toFloat(value) : 0.0f);

@@ -12,6 +12,16 @@
 
 namespace foci {
 
+glm::vec3 linearColor(const glm::vec3& srgb) {
+  return {linearFromSrgb(srgb.x), linearFromSrgb(srgb.y), linearFromSrgb(srgb.z)};
+}
+
+glm::vec3 unitNormal(const glm::dvec3& normal) {
+  const double length = glm::length(normal);
+  const bool usable = length > 1e-12 && length < 1e150;  // false for NaN
+  return usable ? glm::vec3(normal / length) : glm::vec3(0.0f);
+}
+
 bool isNearEnough(const glm::dvec3& p) {
   const double farthest = kFarthest_m;
   return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&

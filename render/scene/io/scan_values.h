@@ -20,6 +20,12 @@ inline constexpr float kUncolouredLight = 0.2140f;
 inline constexpr const char* kGreyInstead = "all colours are 0: shown in grey";
 inline constexpr const char* kIntensityInstead = "all colours are 0: intensity is shown as grey";
 
+/// Linear light of an sRGB colour, which is clamped to 0 to 1; NaN becomes 0.
+glm::vec3 linearColor(const glm::vec3& srgb);
+
+/// A normal of length 1; 0 for one that has no length, or is not finite.
+glm::vec3 unitNormal(const glm::dvec3& normal);
+
 /// Whether a place is finite and no farther out than kFarthest_m.
 bool isNearEnough(const glm::dvec3& p);
 

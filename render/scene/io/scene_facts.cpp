@@ -1,6 +1,7 @@
 #include "render/scene/io/scene_facts.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 #include <variant>
@@ -115,37 +116,13 @@ SceneFacts factsOfContent(const GaussianFile& file) {
 
 std::string nameOf(const SceneFacts& facts) {
   if (!facts.format.empty()) return facts.format;
-  switch (facts.kind) {
-    case SceneKind::gltf:
-      return "glTF mesh";
-    case SceneKind::obj:
-      return "OBJ mesh";
-    case SceneKind::stl:
-      return "STL mesh";
-    case SceneKind::fbx:
-      return "FBX mesh";
-    case SceneKind::ply_mesh:
-      return "PLY mesh";
-    case SceneKind::off_mesh:
-      return "OFF mesh";
-    case SceneKind::off_points:
-      return "OFF points";
-    case SceneKind::ply_points:
-      return "PLY points";
-    case SceneKind::las:
-      return "LAS scan";
-    case SceneKind::pcd:
-      return "PCD points";
-    case SceneKind::colmap:
-      return "COLMAP points";
-    case SceneKind::text_points:
-      return "points as text";
-    case SceneKind::prepared:
-      return "prepared scene";
-    case SceneKind::gaussians:
-      return "3D Gaussians";
-  }
-  return "";
+  constexpr std::array kNames = {// in the order of SceneKind
+                                 "glTF mesh",      "OBJ mesh",      "STL mesh",   "FBX mesh",
+                                 "PLY mesh",       "OFF mesh",      "OFF points", "PLY points",
+                                 "LAS scan",       "COLMAP points", "PCD points", "points as text",
+                                 "prepared scene", "3D Gaussians"};
+  static_assert(kNames.size() == static_cast<std::size_t>(SceneKind::gaussians) + 1);
+  return kNames[static_cast<std::size_t>(facts.kind)];
 }
 
 std::string whatStatesUnit(const SceneFacts& facts) {

@@ -64,7 +64,7 @@ bool isStl(const FileStart& start) {
 }
 
 bool isGltfText(const FileStart& start) {
-  return firstWord(start.text()).starts_with('{') &&
+  return firstWord(start.text()).starts_with('{') && !holdsAll(start, {"\"geometricError\""}) &&
          (holdsAll(start, {"\"asset\""}) || holdsAll(start, {"\"accessors\""}) ||
           holdsAll(start, {"\"bufferViews\""}));
 }
@@ -226,7 +226,13 @@ constexpr std::string_view kPicture =
     "is a picture: foci renders scenes of points, meshes or Gaussians";
 constexpr std::string_view kColmapList =
     "is a list of COLMAP: give foci its points (points3D.bin or points3D.txt)";
+constexpr std::string_view kTileWords =
+    "is a tile of 3D Tiles, which foci does not read: give foci the glTF that it was made of";
 constexpr std::array kMarks = {
+    Mark{0, "b3dm", kTileWords},
+    Mark{0, "i3dm", kTileWords},
+    Mark{0, "cmpt", kTileWords},
+    Mark{0, "pnts", kTileWords},
     Mark{0, "7z\xbc\xaf", "is a 7z archive: unpack it, and give the scene in it"},
     Mark{0, "rar!", "is a RAR archive: unpack it, and give the scene in it"},
     Mark{0, "bzh", "is packed by bzip2: unpack it with bunzip2"},
@@ -287,6 +293,17 @@ std::string zipWords(const FileStart& start) {
          ": unpack it, and give the scene in it";
 }
 
+/// Whether a text in ASCII has two bytes a character, behind the byte order mark.
+bool isUtf16(std::string_view text) {
+  constexpr std::size_t kLeast = 6, kLookedAt = 16;
+  const bool big = text.starts_with("\xfe\xff");
+  if (text.size() < kLeast || (!big && !text.starts_with("\xff\xfe"))) return false;
+  for (std::size_t i = 2; i + 1 < std::min(text.size(), kLookedAt); i += 2) {
+    if ((text[i] == '\0') != big || (text[i + 1] == '\0') == big) return false;
+  }
+  return true;
+}
+
 /// Whether a text begins like an ESRI ASCII grid: "ncols 100".
 bool isGrid(const FileStart& start) {
   const std::string word = lowered(firstWord(start.text()));
@@ -303,6 +320,13 @@ std::optional<std::string> wordsOfContent(const FileStart& start) {
     return std::nullopt;
   }
   if (text.starts_with("pk\3\4")) return zipWords(start);
+  if (isUtf16(text)) return "is text in UTF-16: save it in UTF-8";
+  if (text.starts_with('{') && holdsAll(start, {"\"geometricError\""})) {
+    return "is a tileset of 3D Tiles, which foci does not read: give foci one of its tiles as glTF";
+  }
+  if (text.starts_with('{') && holdsAll(start, {"\"frames\"", "\"camera_"})) {
+    return "is a list of cameras, as nerfstudio's: give foci the scene itself, e.g. its PLY";
+  }
   if (isGrid(start)) {
     return "is an ESRI ASCII grid, a map of heights: gdal_translate -of XYZ IN OUT.xyz makes "
            "points "

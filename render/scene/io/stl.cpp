@@ -13,7 +13,6 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "base/words.h"
-#include "render/image/srgb.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/mesh_formats.h"

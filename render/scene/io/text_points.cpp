@@ -13,7 +13,6 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "base/words.h"
-#include "render/image/srgb.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
 
@@ -255,6 +254,12 @@ class TextPointsReader {
     if (comment || (names && columns_)) return;
     if (words_.size() == 1 && !(columns_ && columns_->more)) {
       if (const auto count = parseInteger<std::uint32_t>(words_[0])) {
+        if (counted_ && rows_ == 0) {
+          throw InputError(input_.name(),
+                           "begins with two numbers, as PTX, which foci does not "
+                           "read: CloudCompare, or pdal translate IN OUT.ply, makes "
+                           "a PLY of it");
+        }
         counted_ = counted_.value_or(0) + *count;
         return;
       }
@@ -370,9 +375,7 @@ class TextPointsReader {
       }
       if (kind == 'n' || (kind == ' ' && triple.isNormal())) {
         if (!points_.normal.empty()) continue;
-        for (glm::vec3& n : triple.values) {
-          if (n != glm::vec3(0.0f)) n = glm::normalize(n);
-        }
+        for (glm::vec3& n : triple.values) n = unitNormal(n);
         points_.normal = std::move(triple.values);
       } else if (points_.color.empty()) {
         takeColors(triple);
@@ -391,9 +394,7 @@ class TextPointsReader {
                        "255 or 0 to 65535) nor normals (of length 1)");
     }
     const float white = triple.max <= 1.0f ? 1.0f : triple.max <= 255.0f ? 255.0f : 65535.0f;
-    for (glm::vec3& c : triple.values) {
-      c = {linearFromSrgb(c.x / white), linearFromSrgb(c.y / white), linearFromSrgb(c.z / white)};
-    }
+    for (glm::vec3& c : triple.values) c = linearColor(c / white);
     points_.color = std::move(triple.values);
     remarkDark(points_);
   }

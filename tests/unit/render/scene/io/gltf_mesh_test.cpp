@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -90,6 +91,26 @@ TEST(GltfMesh, IntegersOfAttributesAreNumbers) {
   folder.write("b.bin", triangleBytes());
   expectTriangle(readMesh(folder.write("a.gltf", json(R"(,"uri":"b.bin")"))).mesh);
   expectTriangle(readMesh(folder.write("b.glb", glb(json("")))).mesh);
+}
+
+TEST(GltfMesh, IntegerColoursAreNormalisedWhateverTheAccessorSays) {
+  const TemporaryFolder folder;
+  std::string bytes(36, '\0');
+  const float x = 1.0f;
+  std::memcpy(bytes.data() + 12, &x, 4);
+  std::memcpy(bytes.data() + 28, &x, 4);
+  for (int i = 0; i < 3; ++i) bytes += std::string("\xff\x33\0\0", 4);  // 255, 51, 0
+  folder.write("b.bin", bytes);
+  const auto mesh =
+      readMesh(folder.write("a.gltf", R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],
+      "nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":1}}]}],
+      "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+                   {"bufferView":1,"componentType":5121,"count":3,"type":"VEC3"}],
+      "bufferViews":[{"buffer":0,"byteLength":36},
+                     {"buffer":0,"byteOffset":36,"byteLength":12,"byteStride":4}],
+      "buffers":[{"uri":"b.bin","byteLength":48}]})"))
+          .mesh;
+  EXPECT_LT(glm::distance(mesh.color.at(0), glm::vec3(1.0f, 0.2f, 0.0f)), kShort);
 }
 
 TEST(GltfMesh, AccessorsBeyondTheirBufferAreRefused) {

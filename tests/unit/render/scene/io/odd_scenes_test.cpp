@@ -63,6 +63,25 @@ TEST_F(OddScenes, VerticesOfAnObjHaveAWeightBesideAColour) {
   EXPECT_EQ(read.mesh.color.at(0), glm::vec3(1, 0, 0));
 }
 
+TEST_F(OddScenes, ColoursOfZbrushAreComments) {
+  const std::string painted =
+      kSquare + "#MRGB ffff0000ff00ff00\n#MRGB ff0000ffffffffff\nf 1 2 3 4\n";
+  const MeshFile read = mesh("m.obj", painted);
+  EXPECT_TRUE(read.facts.has_colors);
+  EXPECT_EQ(read.mesh.color.at(0), glm::vec3(1, 0, 0));
+  EXPECT_EQ(read.mesh.color.at(1), glm::vec3(0, 1, 0));
+  const MeshFile fewer = mesh("m.obj", kSquare + "#MRGB ffff0000\nf 1 2 3 4\n");
+  EXPECT_FALSE(fewer.facts.has_colors);
+  EXPECT_TRUE(has(fewer.mesh.remarks, "#MRGB"));
+}
+
+TEST_F(OddScenes, AGridOfPtxIsNotTakenForPoints) {
+  const std::string pose = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  const std::string ptx = "2\n1\n" + pose + "0 0 1 0.5\n1 0 1 0.5\n";
+  EXPECT_NE(refusal("scan.txt", ptx).find("PTX"), std::string::npos);
+  EXPECT_NE(refusal("scan.pts", ptx).find("PTX"), std::string::npos);
+}
+
 TEST_F(OddScenes, PointsOfAnObjHaveNormals) {
   const PointCloud scan = points("p.obj", "v 0 0 0\nv 1 0 0\nvn 0 0 2\nvn 0 1 0\n");
   ASSERT_EQ(scan.normal.size(), 2u);

@@ -74,7 +74,22 @@ TEST_F(SceneFormats, WhatIsNoSceneIsNamed) {
       {"\x89PNG\r\n\x1a\n" + std::string(20, '\1'), "is a picture"},
       {"\x93NUMPY\1", "is a NumPy array"},
       {"%PDF-1.7\n", "is a PDF"},
-      {"ASTM-E57" + std::string(40, '\0'), "is an E57 scan"}};
+      {"ASTM-E57" + std::string(40, '\0'), "is an E57 scan"},
+      {"b3dm" + std::string(40, '\0'), "is a tile of 3D Tiles"},
+      {R"({"asset":{"version":"1.0"},"geometricError":500,"root":{}})", "is a tileset of 3D Tiles"},
+      {R"({"camera_model":"OPENCV","frames":[]})", "is a list of cameras"},
+      {std::string("\xff\xfe"
+                   "1\0 \0"
+                   "2\0 \0"
+                   "3\0\n\0",
+                   14),
+       "is text in UTF-16"},
+      {std::string("\xfe\xff\0"
+                   "1\0 \0"
+                   "2\0 \0"
+                   "3\0\n",
+                   14),
+       "is text in UTF-16"}};
   for (const auto& [bytes, words] : cases) {
     for (const char* name : {"a.ply", "a.asc", "a.obj", "a.bin", "a"}) {
       const auto path = scratch.write(name, bytes);
