@@ -67,8 +67,10 @@ class FbxMesh {
   }
 
   void addNode(const aiNode& node, const glm::mat4& scene_from_parent, const std::string& above) {
-    glm::mat4 parent_from_node;
-    for (int c = 0; c < 4; ++c) {
+    glm::mat4 parent_from_node(1.0f);
+    // The root of an FBX lies in the scene as it is; Assimp 5.4 turns it by the axes that the file
+    // states.
+    for (int c = 0; c < 4 && &node != scene_.mRootNode; ++c) {
       for (unsigned r = 0; r < 4; ++r) {
         parent_from_node[c][static_cast<int>(r)] = node.mTransformation[r][c];
       }
