@@ -22,9 +22,18 @@ if command -v npm >/dev/null 2>&1; then
   sh app/webcam_models.sh || echo "not there: their tests are skipped"
 fi
 
+# Other versions format and find other things: $1 is of the version that CONTRIBUTING.md states.
+is_ours() {
+  "$1" --version | grep -q 'version 14\.' && return
+  echo "left out: expected $1 14, found $("$1" --version | grep -m 1 -o 'version [0-9.]*')"
+  return 1
+}
+
 step "style"
-find app base calibration examples gaze python render tests -name '*.h' -o -name '*.cpp' |
-  xargs clang-format --dry-run --Werror
+if is_ours clang-format; then
+  find app base calibration examples gaze python render tests -name '*.h' -o -name '*.cpp' |
+    xargs clang-format --dry-run --Werror
+fi
 
 step "release: build and test"
 cmake --preset release -DFOCI_TESTS=ON >/dev/null
@@ -59,7 +68,7 @@ ctest --test-dir build/python --output-on-failure
 
 step "lint"
 cmake --preset asan -DFOCI_TESTS=ON >/dev/null
-lint
+if is_ours clang-tidy; then lint; fi
 
 export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1
 export UBSAN_OPTIONS=print_stacktrace=1

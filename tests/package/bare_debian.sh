@@ -1,13 +1,15 @@
 #!/bin/sh
-# Installs the package on a bare Debian 12 in a debootstrap folder, makes a first image there, and removes the package.
-# As root, with network: sh tests/package/bare_debian.sh [FOLDER]; keeps FOLDER, which must be new or an earlier one.
+# Installs the package on a bare Debian in a debootstrap folder, makes a first image there, and removes the package.
+# As root, with network: sh tests/package/bare_debian.sh [RELEASE [FOLDER]]; RELEASE is that which the package was made
+# on, bookworm or trixie; keeps FOLDER, which must be new or an earlier one.
 # Where `cpack` has also made the Python module's package (build/python), it is tested as well.
 set -eu
 cd "$(dirname "$0")/../.."
-bare=${1:-build/bare}
+release=${1:-bookworm}
+bare=${2:-build/bare-$release}
 package=$(ls build/package/foci_*.deb) || { echo "first: cmake --build --preset package, then cpack in build/package" >&2; exit 2; }
 module=$(ls build/python/python3-foci_*.deb 2>/dev/null) || echo "without the Python module: build/python has no package" >&2
-[ -x "$bare/usr/bin/apt-get" ] || debootstrap --variant=minbase bookworm "$bare" http://deb.debian.org/debian
+[ -x "$bare/usr/bin/apt-get" ] || debootstrap --variant=minbase "$release" "$bare" http://deb.debian.org/debian
 rm -rf "$bare/tmp/foci" && mkdir "$bare/tmp/foci"
 cp "$package" "$bare/tmp/foci/foci.deb"
 [ -z "$module" ] || cp "$module" "$bare/tmp/foci/python3-foci.deb"
@@ -57,4 +59,4 @@ image.save(\"module.png\")"
   apt-get remove -y -qq $packages >/dev/null
   left=$(find / -xdev -path /tmp -prune -o -name "*foci*" -print)
   [ -z "$left" ] || fail "left behind: $left"'
-echo "installed, ran and left nothing on a bare Debian 12"
+echo "installed, ran and left nothing on a bare Debian ($release)"
