@@ -53,6 +53,8 @@ std::string sharedConstants() {
                      constant("kOpaqueFromBlurred", kBlurredRamp.opaque_from) +
                      constant("kLinearFromSharp", kSharpRamp.linear_to) +
                      constant("kOpaqueFromSharp", kSharpRamp.opaque_from) +
+                     constant("kLinearToHole", kHoleRamp.linear_to) +
+                     constant("kOpaqueFromHole", kHoleRamp.opaque_from) +
                      constant("kGroupsARow", static_cast<std::uint32_t>(kGroupsARow));
 #define FOCI_SHARED(name) constant(#name, name)
   return text + FOCI_SHARED(kHidden) + FOCI_SHARED(kOverlap) + FOCI_SHARED(kWidestSupport2) +

@@ -45,7 +45,12 @@ struct CoverageRamp {
 /// a change of its coverage. Chosen by hand;
 /// `KernelSums.AreOneOnARegularPlaneButForTheKernelsRipple` and
 /// `Sweep.RendersNothingBehindAnOpaqueSheet` bound them.
-inline constexpr CoverageRamp kSharpRamp{0.9f, 0.98f}, kBlurredRamp{0.98f, 0.995f};
+inline constexpr CoverageRamp kSharpRamp{0.85f, 0.95f}, kBlurredRamp{0.98f, 0.995f};
+
+/// For an unblurred layer whose kernels lie all around the pixel (`pixelCoverageOf`): no edge lies
+/// there, so what the kernels lack is a hole of their sum, as at crests. Gaps between leaves cover
+/// less, or lie beside one edge. Chosen by hand; `ClosedSurfaces` tests bound it.
+inline constexpr CoverageRamp kHoleRamp{0.6f, 0.75f};
 
 /// Factor on a layer's weight under a low-pass of standard deviation s, so that the low-pass does
 /// not show the background inside a surface; the outline grows instead. At the distance C from a

@@ -22,21 +22,30 @@ struct PixelEdge {
   glm::vec2 direction;  ///< to the covered side; length 0 to 1: how straight the edge is
 };
 
-/// The edge of a layer whose kernels sum to `weight` and lie at the mean offset `mean` from the
-/// pixel's centre, in radii of their supports.
+/// How straight the edge of a layer is, 0 to 1. Its kernels sum to `weight` and lie at the mean
+/// offset `mean` from the pixel's centre, in radii of their supports.
 ///
 /// Seen through a Gaussian footprint of standard deviation s, a half-plane that covers the share
 /// A = Phi(t) has the mean offset s phi(t) / A. The measured offset over that one is the part of
 /// the layer that is such a half-plane; the rest covers the footprint evenly. phi(t) is within 0.01
 /// of 0.399 u (1.35 - 0.35 u) with u = 4 A (1 - A).
-/// @param share  that the layer covers
-inline PixelEdge pixelEdgeOf(float weight, const glm::vec2& mean, float share) {
+inline float straightness(float weight, float length_of_mean) {
   const float area = std::min(weight, 1.0f), u = 4.0f * area * (1.0f - area);
   const float density = kDensityPeak * u * (1.0f + kDensityBend - kDensityBend * u);
+  const float measured = std::sqrt(kWidestSupport2) * length_of_mean * area;
+  return std::min(measured / std::max(density, 1e-6f), 1.0f);
+}
+
+/// @param share  that the layer covers
+inline PixelEdge pixelEdgeOf(float weight, const glm::vec2& mean, float share) {
   const float length = glm::length(mean);
-  const float measured = std::sqrt(kWidestSupport2) * length * area;
-  const float straight = std::min(measured / std::max(density, 1e-6f), 1.0f);
-  return {share, mean * (straight / std::max(length, 1e-6f))};
+  return {share, mean * (straightness(weight, length) / std::max(length, 1e-6f))};
+}
+
+/// Coverage, 0 to 1, of an unblurred layer: up to an edge, or with a hole that is closed.
+inline float pixelCoverageOf(float weight, const glm::vec2& mean) {
+  const float straight = straightness(weight, glm::length(mean)), square = straight * straight;
+  return glm::mix(coverageOf(weight, kHoleRamp), coverageOf(weight, kSharpRamp), square * square);
 }
 
 /// How far two edges lie on opposite sides, 0 to 1: -2/pi asin(r), within 0.06, for the cosine r

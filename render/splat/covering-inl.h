@@ -13,6 +13,7 @@
 #include "render/kernel/limits.h"
 #include "render/splat/block-inl.h"
 #include "render/splat/constants.h"
+#include "render/splat/pixel_edge-inl.h"
 #include "render/splat/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -37,12 +38,10 @@ struct Covering {
 };
 
 /// `coverageOf`, by lane.
-template <bool kLens>
-HWY_INLINE V shareOf(V weight, V coverage_a_weight) {
+HWY_INLINE V shareOf(V weight, V coverage_a_weight, const CoverageRamp& ramp) {
   const D d;
-  constexpr CoverageRamp kRamp = kLens ? kBlurredRamp : kSharpRamp;
-  const V steep = hn::MulAdd(weight, hn::Set(d, kRamp.slope()),
-                             hn::Set(d, kRamp.linear_to - kRamp.slope() * kRamp.linear_to));
+  const V steep = hn::MulAdd(weight, hn::Set(d, ramp.slope()),
+                             hn::Set(d, ramp.linear_to - ramp.slope() * ramp.linear_to));
   return hn::Min(hn::Max(hn::Mul(weight, coverage_a_weight), steep), hn::Set(d, 1.0f));
 }
 
@@ -82,13 +81,18 @@ HWY_INLINE Covering coveringOf(const Sums& sums, std::size_t i, float coverage_a
   const float* const summed = kLens ? sums.lens_weight : sums.weight;
   const V inv = hn::Div(hn::Set(d, 1.0f), hn::Max(hn::Load(d, summed + i), hn::Set(d, 1e-20f)));
   Covering c{.weight = weight,
-             .share = shareOf<kLens>(weight, per),
+             .share = shareOf(weight, per, kLens ? kBlurredRamp : kSharpRamp),
              .x = hn::Mul(hn::Load(d, sums.mean_x + i), inv),
              .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv)};
+  const V length = hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y)));
   if constexpr (kLens) {
-    const V segment = segmentShare(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y))));
-    const V quarters = shareOf<kLens>(weightByQuarters(sums, i, hn::Mul(weight, inv)), per);
+    const V segment = segmentShare(length);
+    const V quarters = shareOf(weightByQuarters(sums, i, hn::Mul(weight, inv)), per, kBlurredRamp);
     c.share = hn::Min(c.share, hn::Max(quarters, hn::Mul(segment, per)));
+  } else {  // `pixelCoverageOf`
+    const V straight = straightnessOf(weight, length), closed = shareOf(weight, per, kHoleRamp);
+    const V square = hn::Mul(straight, straight);
+    c.share = hn::MulAdd(hn::Mul(square, square), hn::Sub(c.share, closed), closed);
   }
   return c;
 }

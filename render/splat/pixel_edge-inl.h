@@ -24,17 +24,21 @@ struct PixelEdges {
   V share, x, y;
 };
 
-/// `pixelEdgeOf`, by lane.
-HWY_INLINE PixelEdges pixelEdgesOf(V weight, V x, V y, V share) {
+/// `straightness`, by lane.
+HWY_INLINE V straightnessOf(V weight, V length) {
   const D d;
   const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), area = hn::Min(weight, one);
   const V u = hn::Mul(hn::Mul(hn::Set(d, 4.0f), area), hn::Sub(one, area));
   const V bent = hn::MulAdd(u, hn::Set(d, -kDensityBend), hn::Set(d, 1.0f + kDensityBend));
   const V density = hn::Mul(hn::Mul(hn::Set(d, kDensityPeak), u), bent);
-  const V length = hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y)));
   const V measured = hn::Mul(hn::Mul(hn::Set(d, std::sqrt(kWidestSupport2)), length), area);
-  const V straight = hn::Min(hn::Div(measured, hn::Max(density, tiny)), one);
-  const V scale = hn::Div(straight, hn::Max(length, tiny));
+  return hn::Min(hn::Div(measured, hn::Max(density, tiny)), one);
+}
+
+/// `pixelEdgeOf`, by lane.
+HWY_INLINE PixelEdges pixelEdgesOf(V weight, V x, V y, V share) {
+  const V length = hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y)));
+  const V scale = hn::Div(straightnessOf(weight, length), hn::Max(length, hn::Set(D(), 1e-6f)));
   return {share, hn::Mul(x, scale), hn::Mul(y, scale)};
 }
 

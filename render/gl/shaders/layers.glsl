@@ -5,7 +5,6 @@ const float kLinearTo = kLinearFromBlurred, kOpaqueFrom = kOpaqueFromBlurred;
 #else
 const float kLinearTo = kLinearFromSharp, kOpaqueFrom = kOpaqueFromSharp;
 #endif
-const float kSlope = (1.0 - kLinearTo) / (kOpaqueFrom - kLinearTo);
 
 struct Sums {
   vec3 colour;
@@ -75,10 +74,22 @@ void clearSample() {
 #endif
 }
 
-float shareOf(float weight, float coverage) {
-  float steep = weight * kSlope + (kLinearTo - kSlope * kLinearTo);
+float rampOf(float weight, float coverage, float linear_to, float opaque_from) {
+  float steep = (weight - linear_to) * (1.0 - linear_to) / (opaque_from - linear_to) + linear_to;
   return min(max(weight * coverage, steep), 1.0);
 }
+
+float shareOf(float weight, float coverage) {
+  return rampOf(weight, coverage, kLinearTo, kOpaqueFrom);
+}
+
+#ifndef LENS
+float straightnessOf(float weight, float length_) {
+  float area = min(weight, 1.0), u = 4.0 * area * (1.0 - area);
+  float density = kDensityPeak * u * (1.0 + kDensityBend - kDensityBend * u);
+  return min(sqrt(kWidestSupport2) * length_ * area / max(density, 1e-6), 1.0);
+}
+#endif
 
 Covering coveringOf(Sums sums, float coverage) {
   Covering c;
@@ -97,6 +108,9 @@ Covering coveringOf(Sums sums, float coverage) {
   c.share = min(c.share, max(by_quarters, segment * coverage));
 #else
   c.mean = sums.mean / max(sums.weight, 1e-20);
+  float straight = straightnessOf(sums.weight, length(c.mean));
+  float closed = rampOf(sums.weight, coverage, kLinearToHole, kOpaqueFromHole);
+  c.share = mix(closed, c.share, square(straight * straight));
 #endif
   return c;
 }
@@ -116,9 +130,7 @@ Edge edgeOf(Covering side) {
 #ifdef LENS
   float straight = straightness(length_, side.share, chordAt(side.share));
 #else
-  float area = min(side.weight, 1.0), u = 4.0 * area * (1.0 - area);
-  float density = kDensityPeak * u * (1.0 + kDensityBend - kDensityBend * u);
-  float straight = min(sqrt(kWidestSupport2) * length_ * area / max(density, 1e-6), 1.0);
+  float straight = straightnessOf(side.weight, length_);
 #endif
   return Edge(side.share, side.mean * (straight / max(length_, 1e-6)));
 }

@@ -38,7 +38,7 @@ struct RaySide : SplatSums {
   float all = 0.0f;        ///< weight, that of later splats too
   glm::vec2 offset{0.0f};  ///< `all` times the offsets of `Hit`
 
-  float share() const { return coverageOf(all, kSharpRamp); }
+  float share() const { return pixelCoverageOf(all, mean()); }
   glm::vec2 mean() const { return offset / std::max(all, 1e-20f); }
   PixelEdge edge() const { return pixelEdgeOf(all, mean(), share()); }
 };
