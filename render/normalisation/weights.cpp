@@ -1,9 +1,11 @@
 #include "render/normalisation/weights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
+#include <span>
 
 #include "base/parallel.h"
 #include "render/normalisation/kernel_overlap.h"
@@ -20,7 +22,7 @@ constexpr float kStep = 4.0f;         // of log v, against the gradient
 constexpr float kLargestStep = 0.1f;  // of log v
 constexpr float kMaxGrowth = 2.56f;   // of v: 1.6 of sigma
 constexpr float kMinSheet = 0.5f;     // share of the neighbours; a stray or a shred is all border
-constexpr float kReserve = 1.06f;     // where curved kernels ripple: below 0.9 the background shows
+constexpr float kReserve = 1.12f;     // where curved kernels ripple: below 0.9 the background shows
 constexpr int kMeanPasses = 3;        // over the neighbours
 constexpr float kCurved = 0.9f, kFlat = 0.98f;  // mean cosines of the neighbours' normals
 constexpr float kBorderOffset = 0.3f;  // share of the reach; a half-disc's centroid lies at 0.42
@@ -51,8 +53,8 @@ class Solver {
     parallelFor(count(), [&](std::size_t i) { at_border_[i] = isAtBorder(i); });
   }
 
-  /// Sets the targets to local means of the sums that the weights have now, and to one where the
-  /// surface is flat.
+  /// Sets the targets to local means of the sums that the weights have now, to one where the
+  /// surface is flat, and at a border to what the surface covers.
   void aimAtMeans() {
     aimAtMeansOf([&](std::size_t i) { return sumsAt(i).covered; });
   }
@@ -101,6 +103,7 @@ class Solver {
   template <typename Covered>
   void aimAtMeansOf(const Covered& covered) {
     parallelFor(count(), [&](std::size_t i) { target_[i] = covered(i); });
+    const std::vector<float> initial = target_;
     for (int pass = 0; pass < kMeanPasses; ++pass) {
       parallelFor(count(), [&](std::size_t i) {
         float sum = target_[i], seen = 1.0f;
@@ -113,9 +116,18 @@ class Solver {
       target_.swap(next_);
     }
     parallelFor(count(), [&](std::size_t i) {
-      if (at_border_[i] == 0) target_[i] = glm::mix(kReserve * target_[i], 1.0f, flatness(i));
+      if (at_border_[i] == 0) {
+        target_[i] = glm::mix(kReserve * target_[i], 1.0f, flatness(i));
+      } else if (offCentre(i, problem_.near.of(i))) {  // nothing lies beyond, as beyond a crease
+        target_[i] = coveredAtBorder(initial[i]);
+      }
     });
   }
+
+  /// What a surface covers of the kernels at a sample beside its border. `poissonDisk` leaves the
+  /// samples denser there than inside, so their kernels sum to more: the power 1.5 is within 0.06
+  /// of the kernel's integral over a half-plane, on the mean of samples of equal sums.
+  static float coveredAtBorder(float sum) { return sum * std::min(std::sqrt(sum), 1.0f); }
 
   /// 1 where the normals of the neighbours agree, 0 from a mean cosine of kCurved on.
   float flatness(std::size_t i) const {
@@ -173,25 +185,35 @@ class Solver {
     return pairs.covered / std::max(1.0f - KernelOverlap::table().beyond(q), 0.05f);
   }
 
-  bool isAtBorder(std::size_t i) const {
+  /// Whether some of the neighbours, seen along the surfel's direction, lie on one side of it.
+  template <typename Some>
+  bool offCentre(std::size_t i, const Some& some) const {
     const glm::vec3& along = problem_.seen_along[i];
     glm::vec3 centroid(0.0f);
     float seen = 1.0f;
-    forSheet(i, [&](std::uint32_t j) {
+    for (const std::uint32_t j : some) {
       const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
       centroid += d - glm::dot(d, along) * along;
       seen += 1.0f;
-    });
+    }
+    return glm::length(centroid) > kBorderOffset * seen * problem_.near.reach_m[i];
+  }
+
+  bool isAtBorder(std::size_t i) const {
+    std::array<std::uint32_t, kMaxNeighbours> own{};
+    std::size_t count = 0;
+    forSheet(i, [&](std::uint32_t j) { own[count++] = j; });
     // The other side of a thin body takes the place of neighbours, and is no gap.
     std::uint64_t bits = problem_.sheet[i];
     float around = 0.0f;
     for (const std::uint32_t j : problem_.near.of(i)) {
-      const bool own = (bits & 1u) != 0;
-      around += own || glm::dot(problem_.normal[i], problem_.normal[j]) > -kFlat ? 1.0f : 0.0f;
+      around += (bits & 1u) != 0 || glm::dot(problem_.normal[i], problem_.normal[j]) > -kFlat
+                    ? 1.0f
+                    : 0.0f;
       bits >>= 1;
     }
-    return seen < kMinSheet * around ||
-           glm::length(centroid) > kBorderOffset * seen * problem_.near.reach_m[i];
+    return static_cast<float>(count + 1) < kMinSheet * around ||
+           offCentre(i, std::span(own.data(), count));
   }
 
   const KernelProblem& problem_;

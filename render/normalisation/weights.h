@@ -54,9 +54,10 @@ struct KernelEffort {
 /// without it.
 ///
 /// Sums. Where areas are known, the kernels sum to the mean of the initial sums around each surfel
-/// instead of to one: neighbours on other sheets, borders and folds then take no area away. At a
-/// strongly curved place the neighbours are no single sheet in any direction, and a sum of one
-/// would need weights that oscillate.
+/// instead of to one: neighbours on other sheets and folds then take no area away. At a strongly
+/// curved place the neighbours are no single sheet in any direction, and a sum of one would need
+/// weights that oscillate. At a border they sum to what the surface covers there, so that outlines
+/// stay where they are.
 ///
 /// @param sigma_m  > 0; changed if `sigma_rounds` > 0
 /// @return weights, m^2, > 0 and at most 2 pi sigma^2, where one kernel alone is opaque

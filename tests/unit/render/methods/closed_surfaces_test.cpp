@@ -184,6 +184,41 @@ double coverageOf_px(const Frame& frame) {
   return sum;
 }
 
+/// Between the crests of steep ripples, the kernels sum to less than one.
+TEST(ClosedSurfaces, LeakNoBackgroundAtCrests) {
+  const float tau = glm::two_pi<float>();
+  const auto crests = [&](float u, float v) {
+    const float waves = std::sin(7 * tau * u + 2 * std::sin(3 * tau * v)) * std::cos(9 * tau * v);
+    const float fine = std::sin(19 * tau * (u + v));
+    return glm::vec3(2 * u - 1, 0.025f * waves + 0.015f * fine, 1 - 2 * v);
+  };
+  expectNoLeaks({"crests", meshOf(crests, 240, 240)}, {"sweep", "auto:4"}, {0.2f, 0.35f, 1.2f},
+                {0.0f});
+}
+
+/// How far the outline of a rectangle moves out, by its area over its length. Samples are denser
+/// beside a border, and kernels reach beyond it.
+TEST(OpenSurfaces, KeepTheirOutlines) {
+  constexpr double kMoves = 0.15;    // of a spacing
+  constexpr double kRamp_px = 0.06;  // `kSharpRamp` at an edge of a pixel's filter
+  TriangleMesh mesh;
+  for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+    mesh.corners_m.emplace_back(0.7f * static_cast<float>(x), 0.5f * static_cast<float>(y), 0.0f);
+  }
+  mesh = finishedMesh(std::move(mesh), glm::vec3(0.0f));
+  const View view = viewFrom(0.0f, 0.0f);
+  const double px_per_m = static_cast<double>(view.focal_px.x) / 5.0;
+  const double area_px2 = 1.4 * 1.0 * px_per_m * px_per_m, length_px = 2 * (1.4 + 1.0) * px_per_m;
+  for (const std::size_t points : {400u, 2'000u, 10'000u}) {
+    const SurfelCloud cloud = surfelsFromPoints(sampleMesh(mesh, "rectangle", {.points = points}));
+    Frame frame;
+    makeMethod("pinhole", cloud)->render(view, {}, frame);
+    const double spacing_px = std::sqrt(area_px2 / static_cast<double>(points));
+    const double moved_px = (coverageOf_px(frame) - area_px2) / length_px;
+    EXPECT_NEAR(moved_px, 0.0, kRamp_px + kMoves * spacing_px) << points;
+  }
+}
+
 /// A board of a few pixels under a large blur: nodes hold all of its sides, and the front shows.
 /// Half of their area is 1.125 times the front.
 TEST(ClosedSurfaces, ABoardOfAFewPixelsKeepsItsLight) {
