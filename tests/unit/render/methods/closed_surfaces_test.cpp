@@ -124,9 +124,9 @@ View viewFrom(float elevation, float azimuth) {
 /// Holds images of a shape against rays through its triangles.
 /// @return how many
 std::size_t expectNoLeaks(const Shape& shape, const std::vector<const char*>& methods,
-                          const std::vector<float>& elevations,
-                          const std::vector<float>& blurs_px) {
-  SurfelCloud cloud = surfelsFromPoints(sampleMesh(shape.mesh, shape.name, {.points = kPoints}));
+                          const std::vector<float>& elevations, const std::vector<float>& blurs_px,
+                          std::size_t points = kPoints, double most = kShare) {
+  SurfelCloud cloud = surfelsFromPoints(sampleMesh(shape.mesh, shape.name, {.points = points}));
   cloud.mesh = std::make_shared<const TriangleMesh>(shape.mesh);
   const auto truth = makeMethod("raytrace:16", cloud);
   std::size_t images = 0;
@@ -145,7 +145,7 @@ std::size_t expectNoLeaks(const Shape& shape, const std::vector<const char*>& me
                                   std::to_string(blur_px) + ", elevation " +
                                   std::to_string(elevation);
         EXPECT_GT(leak.interior, 500u) << where;
-        EXPECT_LE(leak.share, kShare) << where;
+        EXPECT_LE(leak.share, most) << where;
         EXPECT_LE(leak.worst, kWorst) << where;
         ++images;
       }
@@ -184,7 +184,8 @@ double coverageOf_px(const Frame& frame) {
   return sum;
 }
 
-/// Between the crests of steep ripples, the kernels sum to less than one.
+/// At crests the kernels sum to less than one. Here the surfels lie 1.7 pixels apart, so more shows
+/// than where they lie a pixel apart.
 TEST(ClosedSurfaces, LeakNoBackgroundAtCrests) {
   const float tau = glm::two_pi<float>();
   const auto crests = [&](float u, float v) {
@@ -192,8 +193,10 @@ TEST(ClosedSurfaces, LeakNoBackgroundAtCrests) {
     const float fine = std::sin(19 * tau * (u + v));
     return glm::vec3(2 * u - 1, 0.025f * waves + 0.015f * fine, 1 - 2 * v);
   };
-  expectNoLeaks({"crests", meshOf(crests, 240, 240)}, {"sweep", "auto:4"}, {0.2f, 0.35f, 1.2f},
-                {0.0f});
+  constexpr std::size_t kFewPoints = 15'000;
+  constexpr double kMagnified = 5.0 * kShare;
+  expectNoLeaks({"crests", meshOf(crests, 240, 240)}, {"sweep", "auto:4"}, {0.35f, 0.6f, 1.2f},
+                {0.0f}, kFewPoints, kMagnified);
 }
 
 /// How far the outline of a rectangle moves out, by its area over its length. Samples are denser
