@@ -203,7 +203,7 @@ TEST(AberrationsOfGaussians, MethodsWithoutThemLeaveThemOut) {
 }
 
 TEST(AutoOfAnEye, StaysWithinItsPrediction) {
-  for (const ChartScene& scene : planChart({.size_px = 160}).scenes) {
+  for (const ChartScene& scene : planChart({.size_px = 96}).scenes) {
     if (scene.id != "fence" && scene.id != "ball") continue;  // the small ones
     const SceneInView in_view = scene.make();
     RenderSettings settings = in_view.settingsThrough(6e-3);
