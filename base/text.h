@@ -39,8 +39,8 @@ std::string_view withoutByteOrderMark(std::string_view text);
 std::string shown(std::string_view text);
 
 /// `text` on one line of a terminal, of a table between tabs or of a page: control characters, and
-/// those of Unicode that break or turn lines, as escapes (\n, \t, \x1b, \u202e), and so bytes that
-/// are not UTF-8 (\xff).
+/// those of Unicode that break or turn lines, as escapes (`\n`, `\t`, `\x1b`, `\u202e`), and so
+/// bytes that are not UTF-8 (`\xff`).
 std::string visible(std::string_view text);
 
 /// `text` in double quotes, escaped for JSON and TOML alike.

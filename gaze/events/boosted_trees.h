@@ -30,7 +30,7 @@ struct BoostedTrees {
   std::size_t trees() const { return leaves.size() >> depth; }
 
   /// The probability of each class, given the shares of the training. They sum to 1.
-  /// @param features  one value for each feature
+  /// @param values  one for each feature
   void probabilities(std::span<const float> values, std::span<double> of_classes) const;
 };
 

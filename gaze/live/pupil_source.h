@@ -10,7 +10,7 @@
 
 namespace foci {
 
-/// Reads a message with a topic such as `gaze.3d.01.`, `gaze.3d.0.` or `gaze.2d.0.`. With 3D data,
+/// Reads a message with a topic such as "gaze.3d.01.", "gaze.3d.0." or "gaze.2d.0.". With 3D data,
 /// the point is where the mean line of sight meets the screen. With 2D data, it is `norm_pos` as
 /// fractions of the screen (origin bottom-left). The keys of the two eyes are "0" and "1", or the
 /// same as integers; eye 0 is the right one. A sample of a confidence below 0.6 has no point.
@@ -21,7 +21,7 @@ namespace foci {
 std::optional<GazeSample> parsePupilMessage(std::string_view topic, std::string_view payload,
                                             const Screen& screen);
 
-/// Asks Pupil Remote for the port of its data (ZeroMQ REQ, "SUB_PORT") and subscribes to `gaze.`.
+/// Asks Pupil Remote for the port of its data (ZeroMQ REQ, "SUB_PORT") and subscribes to "gaze.".
 /// If no answer comes, or no sample can be used for two seconds, it asks again, without end.
 class PupilSource : public LiveSource {
  public:
