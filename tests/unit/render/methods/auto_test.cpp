@@ -265,6 +265,7 @@ TEST_F(AutoTest, APassedFrameCountsAsARenderedOne) {
     };
     Frame frame, after_passing, fresh_frame;
     const RenderStats stats = rendering->render(view, asked(step), frame);
+    if (step % 8 != 4 && step % 8 != 5 && step != 23) continue;  // with a check, after it, the last
     const auto passing = makeMethod("auto", cloud), fresh = makeMethod("auto", cloud);
     for (int i = 0; i < step; ++i) passing->pass(view, asked(i));
     const RenderStats passed = passing->render(view, asked(step), after_passing);
