@@ -124,13 +124,13 @@ void FociContainer::readHeader() {
   }
   std::memcpy(&header_, bytes.data(), sizeof(header_));
   if (header_.magic != kFociMagic) refuse("was altered, as by a transfer as text");
-  if (header_.version > kFociTree) {
+  if (header_.version != kFociGaussians && header_.version != kFociTree) {
     refuse("is of version " + std::to_string(header_.version) + ": this program reads versions " +
-           std::to_string(kFociSurfels) + " to " + std::to_string(kFociTree));
+           std::to_string(kFociGaussians) + " and " + std::to_string(kFociTree) +
+           "; foci prepare makes it again");
   }
   if (kChecksums && header_.header_checksum != checksumOf(header_))
     refuse("was altered: its header does not match");
-  if (header_.version == 0) refuse("is not a .foci scene");
 }
 
 std::vector<ByteSpan> FociContainer::arrays(const std::vector<std::uint64_t>& bytes,

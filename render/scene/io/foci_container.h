@@ -16,8 +16,8 @@
 
 namespace foci {
 
-/// Versions by content. kFociSurfels and kFociMore are read only: surfels without their tree.
-inline constexpr std::uint32_t kFociSurfels = 1, kFociGaussians = 2, kFociMore = 3, kFociTree = 4;
+/// Versions by content. Programs before the first version wrote 1 and 3: surfels without a tree.
+inline constexpr std::uint32_t kFociGaussians = 2, kFociTree = 4;
 
 inline constexpr std::array<unsigned char, 8> kFociMagic = {'F',  'O',  'C',  'I',
                                                             '\r', '\n', 0x1a, '\n'};

@@ -117,15 +117,6 @@ bool sound(const TreeNodes& tree, std::size_t node, std::size_t bodies) {
           tree.facing[node].body == Facing::kSeveral);
 }
 
-/// What is alike in all versions. @throws InputError
-void requireFlags(const FociContainer& file, bool more) {
-  const FociHeader& header = file.header();
-  const bool bodies = (header.flags & kBodies) != 0, objects = (header.flags & kObjects) != 0;
-  if ((header.flags & ~kFlags) != 0 || (!more && (bodies || objects)))
-    file.refuse("is not a .foci scene");
-  if (header.count == 0) file.refuse("has no surfels");
-}
-
 /// Numbers of bytes by surfel, in the order of the arrays; 0: there is no such array.
 std::vector<std::uint64_t> bytesBySurfel(std::uint32_t flags) {
   const bool opacity = (flags & kWithOpacity) != 0, bodies = (flags & kBodies) != 0,
@@ -144,44 +135,6 @@ void forArrays(Cloud& cloud, const Each& each) {
   each(5, cloud.opacity);
   each(6, cloud.bodies.of_surfel);
   each(7, cloud.objects.of);
-}
-
-/// The versions without a tree. @throws InputError
-PreparedScene readWithoutTree(const FociContainer& file) {
-  const FociHeader& header = file.header();
-  requireFlags(file, header.version == kFociMore);
-  const bool more = (header.flags & (kBodies | kObjects)) != 0;
-  if ((header.version == kFociMore) != more) file.refuse("is not a .foci scene");
-  const std::uint64_t n = header.count;
-  if (n > std::numeric_limits<std::uint32_t>::max() - 1) {
-    file.refuse("is not a .foci scene: its sizes contradict each other");
-  }
-  const bool objects = (header.flags & kObjects) != 0;
-  constexpr std::size_t kAlways = 6;  // arrays, of which opacity may be empty; others are left out
-  std::vector<std::uint64_t> sizes;
-  std::vector<std::size_t> place;  // by array
-  std::uint64_t so_far = sizeof(FociHeader);
-  const std::vector<std::uint64_t> by_surfel = bytesBySurfel(header.flags);
-  for (const std::uint64_t bytes : by_surfel) {
-    place.push_back(sizes.size());
-    if (bytes > 0 || place.size() <= kAlways) sizes.push_back(bytes * n);
-    so_far += bytes * n;
-  }
-  if (objects) sizes.push_back(header.file_bytes > so_far ? header.file_bytes - so_far : 0);
-  const std::vector<ByteSpan> arrays = file.arrays(sizes);
-
-  SurfelCloud cloud;
-  forArrays(cloud, [&](std::size_t array, auto& values) {
-    if (by_surfel[array] == 0) return;
-    const ByteSpan bytes = arrays[place[array]];
-    values.resize(bytes.size() / sizeof(values[0]));
-    std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
-  });
-  if (objects) cloud.objects.names = namesIn(arrays.back());
-  cloud.oriented = (header.flags & kOriented) != 0;
-  requireSound(file, cloud);
-  completeBodies(cloud);
-  return {std::move(cloud), originOf(header.flags)};
 }
 
 constexpr std::uint64_t kAlign = 64;
@@ -208,9 +161,10 @@ std::span<const T> as(ByteSpan bytes) {
 }
 
 /// The scene stays in the file. @throws InputError
-PreparedScene readWithTree(const std::shared_ptr<const FociContainer>& file) {
+PreparedScene readSurfels(const std::shared_ptr<const FociContainer>& file) {
   const FociHeader& header = file->header();
-  requireFlags(*file, true);
+  if ((header.flags & ~kFlags) != 0) file->refuse("is not a .foci scene");
+  if (header.count == 0) file->refuse("has no surfels");
   const bool bodies = (header.flags & kBodies) != 0, objects = (header.flags & kObjects) != 0;
   if (header.count >= std::uint64_t{1} << 31 || header.more[0] > kMaxBodies + std::uint64_t{1} ||
       header.more[1] > header.file_bytes || (header.more[0] > 1) != bodies ||
@@ -335,14 +289,7 @@ void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scen
 
 PreparedScene readSceneFile(const std::filesystem::path& path, std::uint64_t checked_B) {
   const auto file = std::make_shared<const FociContainer>(path, checked_B);
-  switch (file->header().version) {
-    case kFociGaussians:
-      return readFociGaussians(*file);
-    case kFociTree:
-      return readWithTree(file);
-    default:
-      return readWithoutTree(*file);
-  }
+  return file->header().version == kFociGaussians ? readFociGaussians(*file) : readSurfels(file);
 }
 
 }  // namespace foci

@@ -3,7 +3,7 @@
 // Little endian. A header of 64 bytes, then arrays.
 //
 //    0  8 bytes  "FOCI\r\n\x1a\n", which a transfer as text would alter
-//    8  uint32   version: 4 surfels, 2 Gaussians; older: 1 surfels, 3 with bodies or objects
+//    8  uint32   version: 4 surfels, 2 Gaussians
 //   12  uint32   flags; others 0
 //   16  uint64   surfels or Gaussians
 //   24  uint64   bytes of the whole file
@@ -24,7 +24,6 @@
 //       LodNode, Coarseness, with closed bodies: Facing
 // then the boxes of the closed bodies, 6 x float each, and the names of the objects in UTF-8, each
 // ended by a zero byte; the first of both is unused.
-// Versions 1 and 3 have the arrays by surfel, without gaps and in any order, and the names.
 //
 // Gaussians. Flags: 1 trained with a low-pass that preserves light, 2 y points down,
 // 4 * degree of the harmonics. Without gaps; by Gaussian, in the order of the tree:
