@@ -6,12 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "app/record/tables.h"
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/line_reader.h"
+#include "gaze/sources/rows.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -43,10 +44,10 @@ std::vector<std::string> fieldsOf(std::string_view line) {
   return fields;
 }
 
-double timeIn(const LineReader& lines, const std::string& field, double after_s) {
+double timeIn(const Place& place, std::string_view field, double after_s) {
   const auto time_s = parseNumber(field);
   if (!time_s || !(*time_s >= after_s)) {
-    throw lines.error("time " + shown(field) + ": expected one that is not before the last");
+    throw place.error("time " + shown(field) + ": expected one that is not before the last");
   }
   return *time_s;
 }
@@ -76,37 +77,25 @@ void GazeTable::add(const GazeSample& sample) {
 void GazeTable::flush() { out_.flush(); }
 
 std::vector<RecordedFrame> readFrames(const std::filesystem::path& file) {
-  LineReader lines(file);
-  std::string_view line;
-  if (!lines.next(line)) throw InputError(file.string(), "empty: expected frames");
-  const auto names = fieldsOf(line);
-  const auto column = [&](const char* name) {
-    const auto at = std::find(names.begin(), names.end(), name);
-    if (at == names.end()) throw lines.error(std::string("no column ") + name);
-    return static_cast<std::size_t>(at - names.begin());
-  };
-  const std::size_t time = column("time_s"), method = column("method");
-  const auto gaze = std::find(names.begin(), names.end(), "gaze_time_s");
+  NamedTable table(file, "frames", /*may_be_cut=*/true);  // the record of a killed run
+  const std::size_t time = table.column("time_s"), method = table.column("method");
+  const auto gaze = table.find("gaze_time_s");
   std::vector<RecordedFrame> frames;
-  for (bool broken = false; lines.next(line);) {
-    if (line.empty()) continue;
-    if (broken) throw lines.error("follows a line that is too short");
-    const auto fields = fieldsOf(line);
-    // The record of a killed run may end within a line.
-    if ((broken = fields.size() < names.size())) continue;
+  while (table.next()) {
     const double after_s = frames.empty() ? -1e12 : std::nextafter(frames.back().time_s, 1e12);
-    if (const auto expected = expectedMethod(fields[method])) {
-      throw lines.error("method " + shown(fields[method]) + ": expected " + *expected);
+    std::string name(table.text(method));
+    if (const auto expected = expectedMethod(name)) {
+      throw table.error("method " + shown(name) + ": expected " + *expected);
     }
-    const double time_s = timeIn(lines, fields[time], after_s);
+    const double time_s = timeIn(table, table.text(time), after_s);
     double known_s = time_s;
-    if (gaze != names.end()) {
-      const std::string& field = fields[static_cast<std::size_t>(gaze - names.begin())];
+    if (gaze) {
+      const std::string_view field = table.text(*gaze);
       known_s = field == "n/a"
                     ? -std::numeric_limits<double>::infinity()
-                    : timeIn(lines, field, frames.empty() ? -1e12 : frames.back().known_s);
+                    : timeIn(table, field, frames.empty() ? -1e12 : frames.back().known_s);
     }
-    frames.push_back({time_s, fields[method], known_s});
+    frames.push_back({time_s, std::move(name), known_s});
   }
   if (frames.empty()) throw InputError(file.string(), "no frames: expected at least one");
   return frames;

@@ -2,82 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <glm/gtc/constants.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <sstream>
 
 #include "base/input_error.h"
-#include "gaze/sources/line_reader.h"
+#include "gaze/sources/rows.h"
 
 namespace foci {
 namespace {
 
 constexpr double kArcminPerRad = 60.0 * 180.0 / glm::pi<double>();
-
-/// A table with a header, by rows of fields.
-class Table {
- public:
-  /// @param columns  that it must have
-  Table(const std::filesystem::path& file, const std::vector<std::string>& columns) : file_(file) {
-    requireRegularFile(file);
-    std::ifstream in(file, std::ios::binary);
-    std::string line;
-    if (!in || !std::getline(in, line)) {
-      throw InputError(file.string(), "cannot be read; expected the folder of a foci replay");
-    }
-    const std::vector<std::string> header = fieldsOf(line);
-    for (const std::string& column : columns) {
-      const auto found = std::find(header.begin(), header.end(), column);
-      if (found == header.end()) {
-        throw InputError(file.string(),
-                         "has no column " + column + "; expected one of this version of foci");
-      }
-      at_.push_back(static_cast<std::size_t>(found - header.begin()));
-    }
-    while (std::getline(in, line)) {
-      rows_.push_back(fieldsOf(line));
-      if (rows_.back().size() != header.size()) {
-        throw InputError(place(rows_.size() - 1),
-                         "expected " + std::to_string(header.size()) + " fields");
-      }
-    }
-  }
-
-  std::size_t size() const { return rows_.size(); }
-  const std::string& text(std::size_t row, std::size_t column) const {
-    return rows_[row][at_[column]];
-  }
-  std::optional<double> number(std::size_t row, std::size_t column) const {
-    const std::string& field = text(row, column);
-    if (field == "n/a") return std::nullopt;
-    const auto number = parseNumber(field);
-    if (!number) throw InputError(place(row), field + ": expected a number");
-    return number;
-  }
-  double needed(std::size_t row, std::size_t column) const {
-    const auto value = number(row, column);
-    if (!value) throw InputError(place(row), "n/a: expected a number");
-    return *value;
-  }
-
- private:
-  static std::vector<std::string> fieldsOf(const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream stream(line);
-    for (std::string field; std::getline(stream, field, '\t');) fields.push_back(field);
-    return fields;
-  }
-  std::string place(std::size_t row) const {
-    return file_.string() + ":" + std::to_string(row + 2);
-  }
-
-  std::filesystem::path file_;
-  std::vector<std::size_t> at_;
-  std::vector<std::vector<std::string>> rows_;
-};
 
 std::vector<Image> picturesOf(const std::filesystem::path& video, std::size_t frames) {
   std::vector<Image> pictures;
@@ -136,23 +72,32 @@ std::optional<double> ComparedRun::meanBlur_arcmin() const {
 ComparedRun readRun(const std::filesystem::path& folder) {
   ComparedRun run{.folder = folder, .name = folder.lexically_normal().filename().string()};
   if (run.name.empty()) run.name = folder.lexically_normal().parent_path().filename().string();
-  const Table frames(folder / "frames.tsv",
-                     {"time_s", "focus_D", "pupil_mm", "surface_distance_m"});
-  if (frames.size() == 0) throw InputError((folder / "frames.tsv").string(), "has no frames");
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    ComparedFrame frame{.time_s = frames.needed(i, 0) - frames.needed(0, 0),
-                        .focus_D = frames.needed(i, 1),
-                        .pupil_mm = frames.needed(i, 2)};
-    if (const auto surface_m = frames.number(i, 3)) {
+  const auto table = [&](const char* name) {
+    return NamedTable(folder / name, "the folder of a replay by this version of foci");
+  };
+  NamedTable frames = table("frames.tsv");
+  const std::size_t time = frames.column("time_s"), focus = frames.column("focus_D");
+  const std::size_t pupil = frames.column("pupil_mm");
+  const std::size_t surface = frames.column("surface_distance_m");
+  while (frames.next()) {
+    ComparedFrame& frame = run.frames.emplace_back();
+    frame = {.time_s = frames.needed(time),
+             .focus_D = frames.needed(focus),
+             .pupil_mm = frames.needed(pupil)};
+    if (const auto surface_m = frames.number(surface)) {
       frame.off_focus_D = std::abs(1.0 / *surface_m - frame.focus_D);
     }
-    run.frames.push_back(frame);
   }
-  const Table events(folder / "events.tsv", {"event"});
-  for (std::size_t i = 0; i < events.size(); ++i) run.fixations += events.text(i, 0) == "fixation";
-  const Table objects(folder / "objects.tsv", {"object", "dwell_s"});
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    run.dwell_s[objects.text(i, 0)] = objects.needed(i, 1);
+  if (run.frames.empty()) throw InputError(frames.fileName(), "has no frames");
+  const double first_s = run.frames.front().time_s;
+  for (ComparedFrame& frame : run.frames) frame.time_s -= first_s;
+  NamedTable events = table("events.tsv");
+  const std::size_t event = events.column("event");
+  while (events.next()) run.fixations += events.text(event) == "fixation";
+  NamedTable objects = table("objects.tsv");
+  const std::size_t object = objects.column("object"), dwell = objects.column("dwell_s");
+  while (objects.next()) {
+    run.dwell_s[std::string(objects.text(object))] = objects.needed(dwell);
   }
   run.pictures = picturesOf(folder / "video.mp4", run.frames.size());
   return run;

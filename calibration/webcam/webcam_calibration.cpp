@@ -8,7 +8,7 @@
 
 #include "base/input_error.h"
 #include "calibration/gaze_map/map_units.h"
-#include "gaze/sources/line_reader.h"
+#include "gaze/sources/rows.h"
 
 namespace foci {
 namespace {
@@ -17,10 +17,6 @@ constexpr double kLook_s = 0.5;  // latency of a saccade (0.2 s), the saccade, a
 constexpr std::size_t kMinWebcamTargets = 5;
 constexpr std::size_t kMaxTargets = 10000;
 constexpr double kSameScreen = 0.01;  // relative difference; chosen by hand
-
-char delimiterOf(std::string_view header) {
-  return header.find('\t') != header.npos ? '\t' : header.find(',') != header.npos ? ',' : ' ';
-}
 
 glm::dvec2 pointOnScreen_deg(const WebcamMap& map, const WebcamView& view, const Screen& screen) {
   return glm::degrees(glm::atan(pointOnScreen_m(map, view) / screen.distance_m));
@@ -41,50 +37,17 @@ std::vector<GazePair> mapped(std::span<const WebcamPair> pairs, const WebcamMap&
 }  // namespace
 
 std::vector<ShownTarget> readShownTargets(const std::filesystem::path& file) {
-  constexpr std::array<std::string_view, 4> kColumns{"onset_s", "duration_s", "x_target",
-                                                     "y_target"};
-  constexpr std::array<double, 4> kLow{0.0, 0.0, -80.0, -80.0}, kHigh{86400.0, 86400.0, 80.0, 80.0};
-  LineReader lines(file);
-  std::string_view line;
-  if (!lines.next(line)) {
-    throw InputError(file.string(), "empty: expected onset_s duration_s x_target y_target");
-  }
-  const char delimiter = delimiterOf(line);
-  std::vector<std::string_view> fields;
-  const auto split = [&](std::string_view text) {
-    if (delimiter == ' ') {
-      splitWords(text, fields);
-    } else {
-      splitFields(text, delimiter, fields);
-    }
-  };
-  split(line);
-  std::array<std::size_t, 4> column{};
-  for (std::size_t c = 0; c < kColumns.size(); ++c) {
-    const auto found = std::find(fields.begin(), fields.end(), kColumns[c]);
-    if (found == fields.end()) {
-      throw lines.error("no column " + std::string(kColumns[c]) +
-                        ": expected onset_s duration_s x_target y_target");
-    }
-    column[c] = static_cast<std::size_t>(found - fields.begin());
-  }
+  constexpr double kMax_s = 86400.0, kMax_deg = 80.0;
+  NamedTable table(file, "onset_s duration_s x_target y_target");
+  const std::size_t onset = table.column("onset_s"), duration = table.column("duration_s");
+  const std::size_t x = table.column("x_target"), y = table.column("y_target");
   std::vector<ShownTarget> targets;
-  while (lines.next(line)) {
-    if (trimmed(line).empty() || line.front() == '#') continue;
-    split(line);
-    std::array<double, 4> values{};
-    for (std::size_t c = 0; c < kColumns.size(); ++c) {
-      const auto value =
-          column[c] < fields.size() ? parseNumber(trimmed(fields[column[c]])) : std::nullopt;
-      if (!value || *value < kLow[c] || *value > kHigh[c]) {
-        throw lines.error(std::string(kColumns[c]) + ": expected a number from " +
-                          std::to_string(static_cast<int>(kLow[c])) + " to " +
-                          std::to_string(static_cast<int>(kHigh[c])));
-      }
-      values[c] = *value;
-    }
-    if (targets.size() == kMaxTargets) throw lines.error("more than 10000 targets");
-    targets.push_back({values[0], values[1], {values[2], values[3]}});
+  while (table.next()) {
+    if (targets.size() == kMaxTargets) throw table.error("more than 10000 targets");
+    targets.push_back(
+        {table.needed(onset, 0.0, kMax_s),
+         table.needed(duration, 0.0, kMax_s),
+         {table.needed(x, -kMax_deg, kMax_deg), table.needed(y, -kMax_deg, kMax_deg)}});
   }
   if (targets.empty()) throw InputError(file.string(), "no rows below the header");
   return targets;

@@ -60,36 +60,18 @@ class AriaTrajectory {
       : first_generation_(header.find("left_pitch_rads_cpf") == std::string_view::npos) {
     const HeadInWorld device_from_head =
         deviceFromHead(first_generation_ ? kFirstGeneration : kSecondGeneration);
-    LineReader lines(file);
-    TextRows rows(lines);
+    NamedTable table(file, "the columns of Aria's closed_loop_trajectory.csv", true);
     constexpr std::array<const char*, 8> kNames = {
         "tracking_timestamp_us", "tx_world_device", "ty_world_device", "tz_world_device",
         "qx_world_device",       "qy_world_device", "qz_world_device", "qw_world_device"};
     std::array<std::size_t, kNames.size()> at{};
-    std::size_t end = 0;
-    for (std::size_t i = 0; i < kNames.size(); ++i) {
-      const auto found = std::ranges::find(rows.names(), kNames[i]);
-      if (found == rows.names().end()) {
-        throw rows.error(std::string("expected a column ") + kNames[i] + ", as in Aria's " +
-                         "closed_loop_trajectory.csv");
-      }
-      at[i] = static_cast<std::size_t>(found - rows.names().begin());
-      end = std::max(end, at[i] + 1);
-    }
-    rows.limitTo(end);
-    while (rows.next()) {
+    for (std::size_t i = 0; i < kNames.size(); ++i) at[i] = table.column(kNames[i]);
+    while (table.next()) {
       std::array<double, kNames.size()> v{};
-      for (std::size_t i = 0; i < v.size(); ++i) {
-        const std::string_view text = at[i] < rows.size() ? rows.text(at[i]) : std::string_view();
-        const auto value = fieldNumber(text);
-        if (!value && rows.mayBeCut()) return;  // the last line is cut off
-        if (!value)
-          throw rows.error(std::string(kNames[i]) + " = " + shown(text) + ": expected a number");
-        v[i] = *value;
-      }
+      for (std::size_t i = 0; i < v.size(); ++i) v[i] = table.needed(at[i]);
       const glm::dquat q(v[7], v[4], v[5], v[6]);
       if (std::abs(glm::length(q) - 1.0) > kUnitQuaternionSlack) {
-        throw rows.error("qx_world_device to qw_world_device: expected a quaternion of length 1");
+        throw table.error("qx_world_device to qw_world_device: expected a quaternion of length 1");
       }
       const double time_s = kMicrosecond_s * v[0];
       if (!poses_.empty() && time_s <= poses_.back().time_s) continue;

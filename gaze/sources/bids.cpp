@@ -184,6 +184,14 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
   const double rate_Hz = before.rate_Hz.value_or(0.0);
   if (!(rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz)) before.rate_Hz.reset();
   TextRows rows(lines, before, names);
+  rows.skipNames();
+  rows.survey(1, [&] {
+    std::size_t fields = rows.size();
+    while (fields > rows.names().size() && rows.text(fields - 1).empty()) --fields;
+    if (fields == rows.names().size()) return;
+    throw rows.error(std::to_string(fields) + " fields, but Columns names " +
+                     std::to_string(rows.names().size()) + ": expected a name for each");
+  });
   Screen screen = fallback_screen;
   if (before.screen.size_px.x > 0) screen.size_px = before.screen.size_px;
   std::vector<std::string> assumed;

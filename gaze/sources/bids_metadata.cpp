@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "base/input_error.h"
+#include "base/words.h"
+#include "gaze/sources/column_names.h"
 
 namespace foci {
 namespace {
@@ -133,12 +135,8 @@ std::string BidsMetadata::unitOf(const std::string& column) const {
   const auto units = entry->find("Units");
   if (units == entry->end() || !units->is_string()) return {};
   const std::string unit = units->get<std::string>();
-  static constexpr std::pair<std::string_view, const char*> kShort[] = {
-      {"pixel", "px"},       {"degree", "deg"},    {"second", "s"},    {"millisecond", "ms"},
-      {"microsecond", "us"}, {"nanosecond", "ns"}, {"millimet", "mm"}, {"arbitrary", "a.u."},
-      {"au", "a.u."},        {"normali", "norm"},  {"metre", "m"},     {"meter", "m"}};
-  for (const auto& [start, text] : kShort) {
-    if (unit.starts_with(start)) return text;
+  if (std::string known = shortUnit(lowered(unit.substr(0, unit.find(' ')))); !known.empty()) {
+    return known;
   }
   return unit.size() <= 16 && unit.find_first_of("\t\n\r\"[]()") == unit.npos ? unit
                                                                               : std::string();

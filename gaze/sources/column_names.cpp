@@ -16,33 +16,11 @@ namespace {
 constexpr std::string_view kAngles =
     "yaw pitch gazeyaw gazepitch azimuth elevation gazeazimuth gazeelevation";
 
-/// The short form of a unit as vendors write it; empty for any other word.
-std::string unitOf(std::string_view word) {
-  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-      {"s", "s sec seconds"},
-      {"ms", "ms msec milliseconds"},
-      {"us", "us usec"},
-      {"ns", "ns"},
-      {"px", "px pix pixel pixels"},
-      {"deg", "deg dva degree degrees"},
-      {"norm", "norm normalised normalized"},
-      {"mm", "mm"},
-      {"cm", "cm"},
-      {"m", "m"},
-      {"rad", "rad radians"},
-      {"%", "% percent pct"},
-      {"a.u.", "a.u. au arbitrary"}};
-  for (const auto& [unit, words] : kUnits) {
-    if (isWordOf(words, word)) return std::string(unit);
-  }
-  return {};
-}
-
 /// The unit in brackets. Tobii writes "DACS px", "ADCSpx", "MCSnorm": it is the end of the word.
 std::string unitIn(std::string_view inside) {
   const std::size_t blank = inside.rfind(' ');
   const std::string_view last = blank == std::string_view::npos ? inside : inside.substr(blank + 1);
-  if (std::string unit = unitOf(last); !unit.empty()) return unit;
+  if (std::string unit = shortUnit(last); !unit.empty()) return unit;
   // Only in brackets: "x_min" is a minimum.
   if (last == "min" || last == "minutes") return "min";
   if (last == "h" || last == "hours") return "h";
@@ -92,7 +70,7 @@ ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
     name.of_media = inside.starts_with("mcs");
     lower.resize(bracket);
   } else if (const std::size_t at = lower.rfind('_'); at != std::string::npos && at > 0) {
-    name.unit = unitOf(std::string_view(lower).substr(at + 1));
+    name.unit = shortUnit(std::string_view(lower).substr(at + 1));
     if (!name.unit.empty()) lower.resize(at);
   }
   for (const char c : lower) {
@@ -107,6 +85,36 @@ ColumnNames::ColumnNames(const Place& place, const std::vector<std::string>& nam
   constexpr std::size_t kMaxColumns = 4096;
   if (texts_.size() > kMaxColumns) throw place.error("over 4096 columns");
   for (const std::string_view text : texts_) names_.push_back(nameOf(text));
+}
+
+std::string shortUnit(std::string_view word) {
+  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+      {"s", "s sec second seconds"},
+      {"ms", "ms msec millisecond milliseconds"},
+      {"us", "us usec microsecond microseconds"},
+      {"ns", "ns nanosecond nanoseconds"},
+      {"px", "px pix pixel pixels"},
+      {"deg", "deg dva degree degrees"},
+      {"norm", "norm normalised normalized"},
+      {"mm", "mm millimeter millimeters millimetre millimetres"},
+      {"cm", "cm"},
+      {"m", "m meter meters metre metres"},
+      {"rad", "rad radians"},
+      {"%", "% percent pct"},
+      {"a.u.", "a.u. au arbitrary"}};
+  for (const auto& [unit, words] : kUnits) {
+    if (isWordOf(words, word)) return std::string(unit);
+  }
+  return {};
+}
+
+double ColumnNames::secondsPerUnit(std::size_t column) const {
+  static constexpr std::pair<std::string_view, double> kSeconds[] = {
+      {"h", 3600.0}, {"min", 60.0}, {"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
+  for (const auto& [name, seconds] : kSeconds) {
+    if (unit(column) == name) return seconds;
+  }
+  return 0.0;
 }
 
 std::string keysOf(std::string_view pattern, std::size_t side, char axis) {

@@ -19,6 +19,10 @@ bool isWordOf(std::string_view words, std::string_view word);
 /// is the axis.
 std::string keysOf(std::string_view pattern, std::size_t side, char axis = 'x');
 
+/// The short form of a unit as vendors write it; empty for any other word.
+/// @param word  in lower case
+std::string shortUnit(std::string_view word);
+
 /// The names of a table's columns. Each name is split into a key and a unit:
 /// "Gaze point X [DACS px]" has the key "gazepointx" and the unit "px".
 class ColumnNames {
@@ -36,6 +40,8 @@ class ColumnNames {
   /// "s", "ms", "us", "ns", "min", "h", "px", "deg", "rad", "norm", "%", "mm", "cm", "m" or empty.
   /// A name that contains "norm" has the unit "norm".
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
+  /// Of a time; 0: its unit is none.
+  double secondsPerUnit(std::size_t column) const;
   /// Whether positions are lengths or per cent, which only gaze.scale converts.
   bool needsScale(std::size_t column) const { return isWordOf("mm cm m %", unit(column)); }
 

@@ -79,7 +79,8 @@ std::optional<SceneSetting> settingBeside(const std::filesystem::path& recording
 class EyeNavGsRows {
  public:
   /// @param from_head  without gaze, an eye's origin is its place
-  EyeNavGsRows(LineReader& lines, bool from_head) : lines_(lines, 20), from_head_(from_head) {}
+  EyeNavGsRows(const std::filesystem::path& file, bool from_head)
+      : lines_(file, std::string(kHeader), true), from_head_(from_head) {}
 
   NumberRows read() {
     std::optional<EyeRow> first;  // waits for the other eye
@@ -109,21 +110,22 @@ class EyeNavGsRows {
     return {lines_.fileName(), std::move(names), std::move(values_)};
   }
 
-  const FixedLines& lines() const { return lines_; }
+  const NamedTable& lines() const { return lines_; }
   EyeField field() const { return field_.value_or(EyeField{}); }
 
  private:
   /// Places and stamps are bounded, quaternions have the length 1, or 0 where gaze is lost.
-  EyeRow readRow() const {
+  EyeRow readRow() {
     EyeRow row{};
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool place =
           (i >= kPlaceAt && i < kHeadTurnAt) || (i >= kGazePlaceAt && i < kGazeTurnAt);
-      row[i] = lines_.number(i, i == 0         ? 1.0
-                                : i < kPlaceAt ? 1.5
-                                : place        ? kMaxPlace
-                                : i < kTimeAt  ? 1.1
-                                               : kMaxStamp_ms);
+      const double max = i == 0         ? 1.0
+                         : i < kPlaceAt ? 1.5
+                         : place        ? kMaxPlace
+                         : i < kTimeAt  ? 1.1
+                                        : kMaxStamp_ms;
+      row[i] = lines_.needed(i, -max, max);
     }
     if (row[0] != 0.0 && row[0] != 1.0) {
       throw lines_.error("ViewIndex = " + exactText(row[0]) + ": expected 0 (left) or 1 (right)");
@@ -181,7 +183,7 @@ class EyeNavGsRows {
     }
   }
 
-  FixedLines lines_;
+  NamedTable lines_;
   bool from_head_;
   std::vector<double> values_{};
   std::optional<EyeField> field_{};
@@ -206,12 +208,9 @@ std::vector<ColumnReading> navReadingsOf(bool eyes, bool has_setting, double sca
 TraceHeader readEyeNavGs(const RecordingFile& file, const Screen& fallback_screen,
                          const TakeSample& take) {
   constexpr double kUpright = 0.7;  // cosine
-  LineReader lines(file.path());
-  std::string_view names;
-  lines.next(names);
   TraceColumns columns = worldColumns(file.columns(), 1e-3);
   SpaceColumns& space = columns.space;
-  EyeNavGsRows reader(lines, space.from_head);
+  EyeNavGsRows reader(file.path(), space.from_head);
   NumberRows rows = reader.read();
   const auto setting = settingBeside(file.path());
   const double scale_m = setting ? 1.0 / setting->units_per_m : file.columns().space.head_scale_m;
@@ -235,7 +234,7 @@ TraceHeader readEyeNavGs(const RecordingFile& file, const Screen& fallback_scree
         " m a unit of the scene (gaze.head_scale_m); scene_setting.csv beside the recording "
         "states it");
   }
-  reader.lines().warnIfCut(header);
+  if (reader.lines().isCut()) header.warnings.emplace_back(kCutOff);
   return header;
 }
 

@@ -26,7 +26,7 @@ using HoloLensRow = std::array<double, 11>;
 
 class HoloLensLines {
  public:
-  explicit HoloLensLines(LineReader& lines) : lines_(lines, kFields) {}
+  explicit HoloLensLines(const std::filesystem::path& file) : lines_(file, kFields) {}
 
   NumberRows rows() {
     while (lines_.next()) {
@@ -38,10 +38,10 @@ class HoloLensLines {
     return {lines_.fileName(), std::move(names), std::move(values_)};
   }
 
-  const FixedLines& lines() const { return lines_; }
+  const NamedTable& lines() const { return lines_; }
 
  private:
-  double number(std::size_t column) const { return lines_.number(column); }
+  double number(std::size_t column) { return lines_.needed(column); }
 
   HoloLensRow readRow() {
     HoloLensRow row{};
@@ -56,7 +56,7 @@ class HoloLensLines {
   }
 
   /// A transform of zeros: the head was not tracked.
-  void readHead(HoloLensRow& row) const {
+  void readHead(HoloLensRow& row) {
     glm::dmat3 turn(0.0);
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j) {
@@ -77,15 +77,14 @@ class HoloLensLines {
     row[4] = q.x, row[5] = q.y, row[6] = q.z, row[7] = q.w;
   }
 
-  FixedLines lines_;
+  NamedTable lines_;
   std::vector<double> values_{};
   std::optional<double> start_ticks_{};
 };
 
 TraceHeader readHoloLens(const RecordingFile& file, const Screen& fallback_screen,
                          const TakeSample& take) {
-  LineReader reader(file.path());
-  HoloLensLines lines(reader);
+  HoloLensLines lines(file.path());
   NumberRows rows = lines.rows();
   TraceColumns columns = worldColumns(file.columns(), kTick_s);
   if (!columns.space.from_head) columns.space.both.direction = {"gaze x", "gaze y", "gaze z"};
@@ -100,7 +99,7 @@ TraceHeader readHoloLens(const RecordingFile& file, const Screen& fallback_scree
                     {"#853 to #856", "unused", ""},
                     {"#857 to #860", "direction of gaze in the world", sure},
                     {"#861", "unused", ""}};
-  lines.lines().warnIfCut(header);
+  if (lines.lines().isCut()) header.warnings.emplace_back(kCutOff);
   return header;
 }
 

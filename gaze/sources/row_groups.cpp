@@ -30,7 +30,7 @@ constexpr double kSoon = 0.7, kMaxSoon = 0.2;
 
 constexpr std::string_view kPeople =
     "participant subject sub subj person user respondent observer player patient recording pid "
-    "ppid ppt vp";
+    "ppid ppt vp recordingsession datafile edffile";
 constexpr std::string_view kOfPeople = "name id no nr num number code label n";  // behind them
 // Numbers tell the eye only in a column of such a name: "eye_open" has them, too.
 constexpr std::string_view kEyeNames =

@@ -1,6 +1,7 @@
 #include "gaze/sources/rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -122,20 +123,62 @@ bool readTobiiStudioLine(const LineReader& lines, std::string_view line, TablePr
   return true;
 }
 
-}  // namespace
-
-bool nextHeaderLine(LineReader& lines, std::string_view& line, TablePreamble& preamble) {
+/// The first line that is not blank, no comment (#) and no line `sep=;`; empty if there is none.
+std::string headerIn(LineReader& lines, TablePreamble& preamble) {
+  std::string_view line;
   while (lines.next(line)) {
     if (readSeparatorLine(line, preamble)) continue;
-    if (!trimmed(line).empty() && line.front() != '#') return true;
+    if (!trimmed(line).empty() && line.front() != '#') return std::string(line);
   }
-  return false;
+  return {};
 }
 
+/// The character between the fields of a table: of the line `sep=;`, else the first of tab,
+/// semicolon and comma that the header line has, else a blank.
 char delimiterOf(std::string_view header, const TablePreamble& before) {
   if (before.separator) return *before.separator;
   const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
   return has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
+}
+
+/// "1,271": a separator of thousands, or a decimal comma.
+bool mayBeThousands(std::string_view text) {
+  if (text.starts_with('-')) text.remove_prefix(1);
+  const std::size_t comma = text.find(',');
+  return comma >= 1 && comma <= 3 && text.size() == comma + 4 && text[0] != '0';
+}
+
+}  // namespace
+
+std::optional<double> CommaNumbers::parse(std::string_view text) {
+  if (!decimal_allowed_ || text.find(',') == std::string_view::npos) return parseNumber(text);
+  std::string pointed(text.substr(0, 64));
+  std::replace(pointed.begin(), pointed.end(), ',', '.');
+  const auto number = parseNumber(pointed);
+  if (number && example_.empty()) example_ = text;
+  if (number) decimal_ |= !mayBeThousands(text);
+  return number;
+}
+
+void CommaNumbers::note(const Place& place, std::size_t column, std::string_view text,
+                        std::size_t axis, double number) {
+  constexpr double kPlain = 100.0;  // above codes for data loss; 0 and -1 stand beside "410,492"
+  if (plain_[axis] && (example_.empty() || thousands_[axis])) return;
+  if (text.find(',') == std::string_view::npos) {
+    plain_[axis] |= number >= kPlain;
+  } else if (!thousands_[axis] && mayBeThousands(text)) {
+    thousands_[axis] = place.error(
+        "column " + std::to_string(column + 1) + " = " + shown(text) +
+        ": a decimal comma, or a separator of thousands? Other numbers of the column have no "
+        "comma: write them without separators of thousands");
+  }
+}
+
+const std::string& CommaNumbers::example() const {
+  for (const std::size_t axis : {0, 1}) {
+    if (thousands_[axis] && plain_[axis] && !decimal_) throw *thousands_[axis];
+  }
+  return example_;
 }
 
 std::string_view Rows::textOf(double number) const {
@@ -174,6 +217,9 @@ TextRows::TextRows(LineReader& lines, const TablePreamble& before, const std::st
   source_ = lines.fileName();
   before_ = before;
   takeNames();
+}
+
+void TextRows::skipNames() {
   bool is_header = false;
   survey(1, [&] {
     const auto is_name = [&](std::string_view name) { return names_[0].starts_with(name); };
@@ -245,29 +291,74 @@ InputError TextRows::error(const std::string& what) const {
   return {source_ + ":" + std::to_string(number_), what};
 }
 
-bool FixedLines::next() {
-  std::string_view line;
-  while (lines_.next(line)) {
-    if (trimmed(line).empty()) continue;
-    if (cut_) throw *cut_;
-    splitFields(line, ',', fields_);
-    if (fields_.size() >= count_) return ++taken_ > 0;
-    cut_ = error(std::to_string(fields_.size()) + " fields: expected " + std::to_string(count_));
-    if (taken_ < 2) throw *cut_;
+NamedTable::NamedTable(const std::filesystem::path& file, std::string expected, bool may_be_cut)
+    : lines_(file), expected_(std::move(expected)), may_be_cut_(may_be_cut) {
+  TablePreamble before;
+  const std::string header = headerIn(lines_, before);
+  if (header.empty()) throw InputError(fileName(), "empty: expected " + expected_);
+  rows_.emplace(lines_, before, header);
+  commas_ = CommaNumbers(rows_->delimiter());
+}
+
+NamedTable::NamedTable(const std::filesystem::path& file, std::size_t columns) : lines_(file) {
+  rows_.emplace(lines_, TablePreamble{}, std::string(columns - 1, ','));
+}
+
+std::optional<std::size_t> NamedTable::find(std::string_view name) const {
+  const auto& names = rows_->names();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) return std::nullopt;
+  if (std::find(found + 1, names.end(), name) != names.end()) {
+    throw error("two columns " + std::string(name));
   }
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+std::size_t NamedTable::column(std::string_view name) const {
+  if (const auto found = find(name)) return *found;
+  throw error("no column " + std::string(name) + ": expected " + expected_);
+}
+
+bool NamedTable::next() {
+  const std::size_t columns = rows_->names().size();
+  while (rows_->next()) {
+    if (cut_) throw *cut_;
+    std::size_t fields = rows_->size();
+    while (fields > columns && text(fields - 1).empty()) --fields;
+    if (fields == columns) return any_ = true;
+    cut_ = error(std::to_string(fields) + " fields: expected " + std::to_string(columns));
+    if (!may_be_cut_ || !any_ || fields > columns) throw *cut_;
+  }
+  commas_.example();
   return false;
 }
 
-double FixedLines::number(std::size_t column, double limit) const {
-  const auto value = fieldNumber(fields_[column]);
-  if (value && std::abs(*value) <= limit) return *value;
-  throw error("column " + std::to_string(column + 1) + " = " + shown(fields_[column]) +
-              ": expected a number" +
-              (limit < INFINITY ? " up to " + significant(limit) : std::string()));
+std::optional<double> NamedTable::number(std::size_t column, double low, double high) {
+  auto value = rows_->number(column);
+  if (!value && rows_->isAbsent(column)) return std::nullopt;
+  if (!value) value = commas_.parse(text(column));
+  if (!value || !(*value >= low && *value <= high)) throw unexpected(column, low, high);
+  return value;
 }
 
-void FixedLines::warnIfCut(TraceHeader& header) const {
-  if (cut_) header.warnings.emplace_back(kCutOff);
+std::optional<double> NamedTable::position(std::size_t column, std::size_t axis, double low,
+                                           double high) {
+  const auto value = number(column, low, high);
+  if (value) commas_.note(*this, column, text(column), axis, *value);
+  return value;
+}
+
+double NamedTable::needed(std::size_t column, double low, double high) {
+  const auto value = number(column, low, high);
+  if (!value) throw unexpected(column, low, high);
+  return *value;
+}
+
+InputError NamedTable::unexpected(std::size_t column, double low, double high) const {
+  const std::string& name = rows_->names()[column];
+  return error((name.empty() ? "column " + std::to_string(column + 1) : name) + " = " +
+               shown(text(column)) + ": expected a number" +
+               (high < INFINITY ? " from " + exactText(low) + " to " + exactText(high) : ""));
 }
 
 NumberRows::NumberRows(std::string source, std::vector<std::string> names,

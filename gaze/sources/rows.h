@@ -2,8 +2,10 @@
 // Text tables have fields, binary formats and streams have numbers.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -11,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/input_error.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/swift_number.h"
@@ -29,14 +32,6 @@ struct TablePreamble {
 
 /// "px", "deg", "normalised", "relative" and their usual synonyms.
 std::optional<GazeUnits> unitsNamed(std::string_view name);
-
-/// The first line that is not blank, no comment (#) and no line `sep=;`. @return false if there is
-/// none
-bool nextHeaderLine(LineReader& lines, std::string_view& line, TablePreamble& preamble);
-
-/// The character between the fields of a table: of the line `sep=;`, else the first of tab,
-/// semicolon and comma that the header line has, else a blank.
-char delimiterOf(std::string_view header, const TablePreamble& before);
 
 /// "1280 x 1024". @return nothing for another text @throws InputError if it is out of range
 std::optional<glm::ivec2> resolutionIn(const Place& place, std::string_view text);
@@ -118,6 +113,34 @@ class Rows : public Place {
   mutable std::string text_{};  // of a number
 };
 
+/// The commas in the numbers of a table: decimal ones, as is usual in many countries, or separators
+/// of thousands.
+class CommaNumbers {
+ public:
+  /// @param delimiter  between the fields; if it is a comma, no number has one
+  explicit CommaNumbers(char delimiter) : decimal_allowed_(delimiter != ',') {}
+
+  /// A number with a decimal point or a decimal comma.
+  std::optional<double> parse(std::string_view text);
+
+  /// Notes whether the column of x (axis 0) or y (axis 1) has separators of thousands.
+  /// @param text  that `parse` has read as `number`
+  void note(const Place& place, std::size_t column, std::string_view text, std::size_t axis,
+            double number);
+
+  /// The first number with a decimal comma; empty if there was none.
+  /// @throws InputError if the commas may separate thousands
+  const std::string& example() const;
+
+ private:
+  bool decimal_allowed_;
+  std::string example_{};
+  bool decimal_ = false;  // a comma that cannot separate thousands
+  // Along x and y: the first number such as "1,271", and whether others reach 100 without a comma.
+  std::array<std::optional<InputError>, 2> thousands_{};
+  std::array<bool, 2> plain_{};
+};
+
 /// The lines of a text table. Blank lines and comments (#) are no rows.
 class TextRows final : public Rows {
  public:
@@ -125,10 +148,13 @@ class TextRows final : public Rows {
   /// @param lines   outlives the rows
   /// @throws InputError
   explicit TextRows(LineReader& lines);
-  /// For a file without a line of names. A first line of these names is skipped.
+  /// For a file without a line of names, or behind it.
   /// @param before  what describes the recording elsewhere
-  /// @param header  the columns' names, separated by tabs
+  /// @param header  the columns' names, separated as the fields are
   TextRows(LineReader& lines, const TablePreamble& before, const std::string& header);
+
+  /// Call before `next`: a first row of the names is none.
+  void skipNames();
 
   bool next() override;
   void survey(std::size_t most, const std::function<void()>& visit) override;
@@ -153,27 +179,48 @@ class TextRows final : public Rows {
   std::size_t number_ = 0;  // of the latest line
 };
 
-/// Lines of comma-separated numbers, so many in each. Blank lines are none, and the last line may
-/// be cut off.
-class FixedLines {
+/// A small table whose columns are known by their names. Blank lines and comments (#) are no rows.
+class NamedTable final : public Place {
  public:
-  /// @param lines  outlives the object
-  FixedLines(LineReader& lines, std::size_t fields) : lines_(lines), count_(fields) {}
+  /// @param expected    the columns, for errors
+  /// @param may_be_cut  a last row of too few fields is left out
+  NamedTable(const std::filesystem::path& file, std::string expected, bool may_be_cut = false);
+  /// So many columns without names, with commas between them. The last row may be cut off.
+  NamedTable(const std::filesystem::path& file, std::size_t columns);
 
-  /// @throws InputError at the line behind one that has too few fields, or if it is the first
+  /// @throws InputError if there are two of the name
+  std::optional<std::size_t> find(std::string_view name) const;
+  /// @throws InputError if there is none
+  std::size_t column(std::string_view name) const;
+
+  /// Moves on to the next row.
+  /// @throws InputError for a row of another number of fields, and at the end if commas may
+  /// separate
+  ///   thousands
   bool next();
-  /// Of the latest line. @throws InputError unless it is a number up to `limit`
-  double number(std::size_t column, double limit = INFINITY) const;
+  bool isCut() const { return cut_.has_value(); }
 
-  InputError error(const std::string& what) const { return lines_.error(what); }
+  /// Of the latest row.
+  std::string_view text(std::size_t column) const { return rows_->text(column); }
+  /// Nothing for an absent one. @throws InputError
+  std::optional<double> number(std::size_t column, double low = -INFINITY, double high = INFINITY);
+  /// Of a column of x (axis 0) or y (axis 1), where commas may separate thousands.
+  std::optional<double> position(std::size_t column, std::size_t axis, double low, double high);
+  /// @throws InputError for an absent one, too
+  double needed(std::size_t column, double low = -INFINITY, double high = INFINITY);
+
+  InputError error(const std::string& what) const override { return rows_->error(what); }
   const std::string& fileName() const { return lines_.fileName(); }
-  void warnIfCut(TraceHeader& header) const;
 
  private:
-  LineReader& lines_;
-  std::size_t count_, taken_ = 0;
-  std::vector<std::string_view> fields_{};
-  std::optional<InputError> cut_{};  // the latest line has too few fields
+  InputError unexpected(std::size_t column, double low, double high) const;
+
+  LineReader lines_;
+  std::string expected_{};
+  std::optional<TextRows> rows_{};
+  CommaNumbers commas_{','};
+  bool may_be_cut_ = true, any_ = false;
+  std::optional<InputError> cut_{};  // the latest row has too few fields
 };
 
 /// The numbers of a binary format or a stream.

@@ -79,76 +79,78 @@ const SpaceVendor kSpaceVendors[] = {{.name = "Project Aria",
                                       .time = "n",
                                       .time_scale_s = 1e-3}};
 
-std::string columnOf(const ColumnNames& names, std::string_view pattern, std::size_t side = 0) {
-  const auto column = names.find(keysOf(pattern, side));
-  return column ? std::string(names.text(*column)) : std::string();
+std::optional<std::size_t> columnOf(const ColumnNames& names, std::string_view pattern,
+                                    std::size_t side = 0) {
+  return names.find(keysOf(pattern, side));
 }
 
-/// x, y and z, or none of them.
-ColumnList<3> tripleOf(const ColumnNames& names, std::string_view pattern, std::size_t side) {
-  ColumnList<3> list{};
-  const auto columns = names.findTriple(pattern, side);
-  for (std::size_t i = 0; columns && i < 3; ++i) list[i] = names.text((*columns)[i]);
-  return list;
+ColumnsAt<2> anglesOf(const ColumnNames& names, const std::array<std::string_view, 2>& patterns,
+                      std::size_t side) {
+  const auto right = columnOf(names, patterns[0], side), up = columnOf(names, patterns[1], side);
+  return right && up ? ColumnsAt<2>({*right, *up}) : std::nullopt;
 }
 
-ColumnList<2> anglesOf(const ColumnNames& names, const std::array<std::string_view, 2>& patterns,
-                       std::size_t side) {
-  ColumnList<2> list{columnOf(names, patterns[0], side), columnOf(names, patterns[1], side)};
-  return list[0].empty() || list[1].empty() ? ColumnList<2>{} : list;
+/// Nothing for a table of another vendor.
+std::optional<SpaceLayout> sightsOf(const SpaceVendor& vendor, const ColumnNames& names) {
+  if (!vendor.needs.empty() && !names.find(vendor.needs)) return std::nullopt;
+  const AxisConvention axes = *AxisConvention::named(vendor.axes);
+  SpaceLayout space{.axes = axes,
+                    .head_axes = axes,
+                    .origin_scale_m = vendor.millimetres ? 1e-3 : 1.0,
+                    .angle_scale_rad = vendor.radians ? 1.0 : glm::radians(1.0),
+                    .tangents = vendor.tangents,
+                    .scale = {vendor.yaw_to_left ? -1.0 : 1.0, 1.0}};
+  for (std::size_t side : {0, 1}) {
+    SightAt& sight = space.eyes[side];
+    sight.direction = names.findTriple(vendor.direction, side);
+    sight.angles = anglesOf(names, vendor.angles, side);
+    if (sight.hasSight()) sight.origin = names.findTriple(vendor.origin, side);
+    if ((vendor.needs_both && !sight.hasSight()) || (vendor.needs_origin && !sight.origin)) {
+      return std::nullopt;
+    }
+    sight.validity = columnOf(names, vendor.validity, side);
+  }
+  if (vendor.needs_both || !space.hasSight()) {
+    space.both.angles = anglesOf(names, vendor.both_angles, 0);
+    if (space.both.hasSight()) space.depth_m = columnOf(names, vendor.depth);
+  }
+  return space.hasSight() ? std::optional(space) : std::nullopt;
 }
 
 /// Recorders with SRanipal write its own clock in ms, or that of .NET.
-void takeSranipalClock(const ColumnNames& names, SpaceFormat& format) {
+void takeSranipalClock(const ColumnNames& names, TableLayout& layout) {
   const auto clock = names.find("timestamp time");
   if (clock && names.text(*clock).ends_with("(100ns)")) {
-    format.time = names.text(*clock);
-    format.time_scale_s = 1e-7;
+    layout.time = clock;
+    layout.time_scale_s = 1e-7;
   } else if (clock && names.key(*clock) == "timestamp" && names.unit(*clock).empty()) {
-    format.time_scale_s = 1e-3;
+    layout.time_scale_s = 1e-3;
   }
-}
-
-std::optional<SpaceFormat> formatOf(const SpaceVendor& vendor, const ColumnNames& names) {
-  if (!vendor.needs.empty() && !names.find(vendor.needs)) return std::nullopt;
-  SpaceFormat format{.name = vendor.name,
-                     .validity_code = vendor.code,
-                     .time = columnOf(names, vendor.time),
-                     .yaw_to_left = vendor.yaw_to_left};
-  if (vendor.time_scale_s > 0.0) format.time_scale_s = vendor.time_scale_s;
-  SpaceColumns& columns = format.columns;
-  columns.axes = vendor.axes;
-  columns.origin_scale_m = vendor.millimetres ? 1e-3 : 1.0;
-  columns.angle_units = vendor.radians ? AngleUnit::rad : AngleUnit::deg;
-  columns.angles_are_tangents = vendor.tangents;
-  for (std::size_t side : {0, 1}) {
-    SightColumns& sight = columns.eyes[side];
-    sight.direction = tripleOf(names, vendor.direction, side);
-    sight.angles = anglesOf(names, vendor.angles, side);
-    const bool has_sight = sight.hasSight();
-    if (has_sight) sight.origin = tripleOf(names, vendor.origin, side);
-    if ((vendor.needs_both && !has_sight) || (vendor.needs_origin && sight.origin[0].empty())) {
-      return std::nullopt;
-    }
-    format.validity[side] = columnOf(names, vendor.validity, side);
-    format.pupil_mm[side] = columnOf(names, vendor.pupil_mm, side);
-  }
-  if (vendor.needs_both || !columns.hasSight()) {
-    columns.both.angles = anglesOf(names, vendor.both_angles, 0);
-    if (columns.both.hasSight()) columns.depth = columnOf(names, vendor.depth);
-  }
-  if (!columns.hasSight()) return std::nullopt;
-  if (vendor.code == ValidityCode::gaze_bits) takeSranipalClock(names, format);
-  return format;
 }
 
 }  // namespace
 
-std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names) {
+bool takeSpaceVendor(const ColumnNames& names, const TraceColumns& given, TableLayout& layout) {
   for (const SpaceVendor& vendor : kSpaceVendors) {
-    if (auto format = formatOf(vendor, names)) return format;
+    layout.space = sightsOf(vendor, names);
+    if (!layout.space) continue;
+    layout.format = vendor.name;
+    layout.validity_code = vendor.code;
+    if (names.find("sensor")) layout.rows = {.column = names.find("sensor"), .only = "Eye Tracker"};
+    for (std::size_t side : {0, 1}) {
+      layout.eyes[side].pupil_mm = columnOf(names, vendor.pupil_mm, side);
+    }
+    if (!given.time.empty()) return true;
+    layout.time = columnOf(names, vendor.time);
+    if (layout.time) {
+      layout.time_scale_s =
+          vendor.time_scale_s > 0.0 ? vendor.time_scale_s : names.secondsPerUnit(*layout.time);
+    }
+    if (vendor.code == ValidityCode::gaze_bits) takeSranipalClock(names, layout);
+    if (given.time_scale_s) layout.time_scale_s = *given.time_scale_s;
+    return true;
   }
-  return std::nullopt;
+  return false;
 }
 
 }  // namespace foci

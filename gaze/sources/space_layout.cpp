@@ -148,7 +148,7 @@ std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
 
 double headAngle_rad(const TableRow& row, const SpaceLayout& layout, std::size_t column,
                      double angle) {
-  const double turn_rad = layout.angle_scale_rad * angle;
+  const double turn_rad = layout.head_angle_scale_rad * angle;
   if (std::abs(turn_rad) > kMaxAngle_rad) {
     row.fail(column, "more than a turn: is gaze.angle_units right?");
   }
@@ -259,23 +259,26 @@ TraceColumns worldColumns(TraceColumns columns, double time_scale_s) {
   return columns;
 }
 
-SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
-                          const SpaceColumns& columns) {
-  SpaceLayout layout{
-      .both = sightAt(place, names, columns.both),
-      .head_position = placesOf(place, names, columns.head_position),
-      .head_quaternion = placesOf(place, names, columns.head_quaternion),
-      .head_angles = placesOf(place, names, columns.head_angles),
-      .head_euler = placesOf(place, names, columns.head_euler),
-      .from_head = columns.from_head,
-      .in_world = columns.frame == SightFrame::world,
-      .origin_scale_m = columns.origin_scale_m,
-      .head_scale_m = columns.head_scale_m,
-      .angle_scale_rad = columns.angle_units == AngleUnit::rad ? 1.0 : glm::radians(1.0),
-      .tangents = columns.angles_are_tangents};
-  if (!columns.depth.empty()) layout.depth_m = names.named(columns.depth);
-  for (std::size_t side : {0, 1}) layout.eyes[side] = sightAt(place, names, columns.eyes[side]);
-  refuseWrongSight(place, layout);
+namespace {
+
+double radiansPer(AngleUnit unit) { return unit == AngleUnit::rad ? 1.0 : glm::radians(1.0); }
+
+}  // namespace
+
+AxisConvention axesOf(const Place& place, const SpaceColumns& columns) {
+  const auto axes = AxisConvention::named(columns.axes.value_or(""));
+  if (!axes) throw place.error("gaze.axes: expected " + std::string(kAxesExpected));
+  return *axes;
+}
+
+void takeHead(const Place& place, const ColumnNames& names, const SpaceColumns& columns,
+              SpaceLayout& layout) {
+  layout.head_position = placesOf(place, names, columns.head_position);
+  layout.head_quaternion = placesOf(place, names, columns.head_quaternion);
+  layout.head_angles = placesOf(place, names, columns.head_angles);
+  layout.head_euler = placesOf(place, names, columns.head_euler);
+  layout.head_scale_m = columns.head_scale_m;
+  layout.head_angle_scale_rad = radiansPer(columns.angle_units);
   if (layout.head_quaternion.has_value() + layout.head_angles.has_value() +
           layout.head_euler.has_value() >
       1) {
@@ -287,6 +290,21 @@ SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
         "gaze.head_position: expected the head's orientation, too (gaze.head_quaternion, "
         "gaze.head_angles or gaze.head_euler); foci turns the display with the head");
   }
+  for (std::size_t i : {0, 1, 2}) {
+    layout.euler_order[i] = static_cast<std::size_t>(columns.head_euler_order[i] - 'x');
+  }
+}
+
+SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
+                          const SpaceColumns& columns) {
+  SpaceLayout layout{.both = sightAt(place, names, columns.both),
+                     .from_head = columns.from_head,
+                     .in_world = columns.frame == SightFrame::world,
+                     .origin_scale_m = columns.origin_scale_m,
+                     .angle_scale_rad = radiansPer(columns.angle_units)};
+  for (std::size_t side : {0, 1}) layout.eyes[side] = sightAt(place, names, columns.eyes[side]);
+  takeHead(place, names, columns, layout);
+  refuseWrongSight(place, layout);
   if (layout.hasHead() && !layout.from_head && !columns.frame) {
     throw place.error("gaze.frame: expected \"head\" or \"world\", the frame of the gaze columns");
   }
@@ -296,17 +314,8 @@ SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
         "gaze.head_euler; without the head's orientation, gaze.frame = \"head\" shows the lines of "
         "sight before a head that does not move, where [eye] places it");
   }
-  for (std::size_t i : {0, 1, 2}) {
-    layout.euler_order[i] = static_cast<std::size_t>(columns.head_euler_order[i] - 'x');
-  }
   layout.axes = layout.head_axes = axesOf(place, columns);
   return layout;
-}
-
-AxisConvention axesOf(const Place& place, const SpaceColumns& columns) {
-  const auto axes = AxisConvention::named(columns.axes.value_or(""));
-  if (!axes) throw place.error("gaze.axes: expected " + std::string(kAxesExpected));
-  return *axes;
 }
 
 std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {

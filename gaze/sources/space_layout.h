@@ -39,10 +39,12 @@ struct SpaceLayout {
   AxisConvention axes{}, head_axes{};  ///< of gaze, of the head; a study states one for both
   bool in_world = false;               ///< the frame of the gaze columns; else the head's
   double origin_scale_m = 1.0, head_scale_m = 1.0;
-  double angle_scale_rad = 1.0;
-  bool tangents = false;  ///< `SpaceColumns::angles_are_tangents`
-  std::optional<std::size_t> depth_m{};
-  glm::dvec2 scale{1.0}, offset{0.0};  ///< of angles, in their unit
+  double angle_scale_rad = 1.0, head_angle_scale_rad = 1.0;
+  /// The tangents of `angles` are the first and second part of the direction, in `axes`, over its
+  /// third one (Project Aria).
+  bool tangents = false;
+  std::optional<std::size_t> depth_m{};  ///< of the point that both eyes look at along `both`
+  glm::dvec2 scale{1.0}, offset{0.0};    ///< of angles, in their unit
 
   bool hasSight() const { return both.hasSight() || eyes[0].hasSight() || eyes[1].hasSight(); }
   bool hasHead() const { return head_quaternion || head_angles || head_euler; }
@@ -53,6 +55,11 @@ struct SpaceLayout {
 ///   result depends on
 SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
                           const SpaceColumns& columns);
+
+/// Finds the head's columns that a study names, beside gaze in the head's frame.
+/// @throws InputError as `spaceLayoutOf`
+void takeHead(const Place& place, const ColumnNames& names, const SpaceColumns& columns,
+              SpaceLayout& layout);
 
 /// @throws InputError if the study states none
 AxisConvention axesOf(const Place& place, const SpaceColumns& columns);

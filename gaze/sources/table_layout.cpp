@@ -29,12 +29,6 @@ constexpr std::string_view kEyesPupil =
     "EYEpupil "
     "Epmm";
 
-double secondsPer(const std::string& unit) {
-  if (unit == "min") return 60.0;
-  if (unit == "h") return 3600.0;
-  return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
-}
-
 class Recogniser {
  public:
   Recogniser(Rows& rows, const TraceColumns& columns)
@@ -45,13 +39,15 @@ class Recogniser {
   }
 
   TableLayout recognise() {
-    const auto known = given_.x.empty() && !given_.space.hasSight() && !given_.space.from_head &&
-                               !given_.mapped_later
-                           ? spaceFormatOf(names_)
-                           : std::nullopt;
-    findTime(known);
-    if (known) {
-      takeFormat(*known);
+    const bool is_told = !given_.x.empty() || given_.space.hasSight() || given_.space.from_head ||
+                         given_.mapped_later;
+    const bool of_vendor = !is_told && takeSpaceVendor(names_, given_, layout_);
+    if (!layout_.time) findTime();
+    if (of_vendor) {
+      if (given_.space.hasHead()) {
+        takeHead(rows_, names_, given_.space, *layout_.space);
+        layout_.space->head_axes = axesOf(rows_, given_.space);
+      }
     } else if (given_.space.hasSight() || given_.space.hasHead() || given_.space.from_head) {
       takeSpace();
     } else {
@@ -206,7 +202,7 @@ class Recogniser {
           "gaze.x and gaze.y are positions on a screen: expected them, or gaze in space");
     }
     layout_.format += ", gaze in space";
-    takeSpace(given_.space);
+    layout_.space = spaceLayoutOf(rows_, names_, given_.space);
     layout_.space->scale = given_.scale;
     layout_.space->offset = given_.offset;
     for (std::size_t side : {0, 1}) {
@@ -216,45 +212,7 @@ class Recogniser {
     }
   }
 
-  void takeSpace(const SpaceColumns& columns) {
-    layout_.space = spaceLayoutOf(rows_, names_, columns);
-  }
-
-  /// A vendor's columns. The study's head and scales hold beside them.
-  void takeFormat(const SpaceFormat& format) {
-    layout_.format = format.name;
-    SpaceColumns columns = format.columns;
-    if (given_.space.hasHead()) {
-      columns.head_position = given_.space.head_position;
-      columns.head_quaternion = given_.space.head_quaternion;
-      columns.head_angles = given_.space.head_angles;
-      columns.head_euler = given_.space.head_euler;
-      columns.head_euler_order = given_.space.head_euler_order;
-      columns.head_scale_m = given_.space.head_scale_m;
-      columns.angle_units = given_.space.angle_units;
-      columns.frame = SightFrame::head;
-    }
-    takeSpace(columns);
-    if (format.yaw_to_left) layout_.space->scale.x = -1.0;
-    if (given_.space.hasHead()) layout_.space->head_axes = axesOf(rows_, given_.space);
-    if (find("sensor")) layout_.rows = {.column = find("sensor"), .only = "Eye Tracker"};
-    layout_.validity_code = format.validity_code;
-    const auto columnNamed = [&](const std::string& name) {
-      return name.empty() ? std::nullopt : std::optional(names_.named(name));
-    };
-    for (std::size_t side : {0, 1}) {
-      layout_.space->eyes[side].validity = columnNamed(format.validity[side]);
-      layout_.eyes[side].pupil_mm = columnNamed(format.pupil_mm[side]);
-    }
-  }
-
-  void findTime(const std::optional<SpaceFormat>& known) {
-    if (known && given_.time.empty() && !known->time.empty()) {
-      layout_.time = names_.named(known->time);
-      layout_.time_scale_s = given_.time_scale_s.value_or(
-          known->time_scale_s.value_or(secondsPer(names_.unit(*layout_.time))));
-      return;
-    }
+  void findTime() {
     const std::optional<double> rate_Hz = given_.rate_Hz ? given_.rate_Hz : before_.rate_Hz;
     const bool counted = given_.time.empty() && rate_Hz && (given_.rate_Hz || !find(kTimes));
     if (counted) {
@@ -263,7 +221,7 @@ class Recogniser {
     } else {
       layout_.time = given_.time.empty() ? find(kTimes) : named(given_.time);
       if (!layout_.time) throw names_.missing(ColumnNames::Meaning::time, kTimes);
-      layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_.unit(*layout_.time)));
+      layout_.time_scale_s = given_.time_scale_s.value_or(names_.secondsPerUnit(*layout_.time));
       const auto fine = find("eyetrackertimestamp");
       const bool whole_ms = given_.time.empty() && names_.unit(*layout_.time) == "ms";
       if (whole_ms && fine && names_.unit(*fine) == "us") layout_.fine_time = fine;
@@ -365,9 +323,9 @@ class Recogniser {
       const auto has = [&](const char* part) {
         return names_.key(i).find(part) != std::string::npos;
       };
-      const auto hints = {"valid",    "confidence", "quality", "tracking", "tracked",  "status",
-                          "eyeopen",  "openness",   "lost",    "missing",  "detected", "artefact",
-                          "artifact", "outlier",    "reliab",  "gazestate"};
+      const auto hints = {"valid",    "confidence", "quality", "tracking",  "tracked",  "status",
+                          "eyeopen",  "openness",   "lost",    "missing",   "detected", "artefact",
+                          "artifact", "outlier",    "reliab",  "gazestate", "found"};
       const bool named = isWordOf("bad good ok flag error loss", names_.key(i));
       if (!unused || !(named || std::ranges::any_of(hints, has))) continue;
       layout_.unused_validity = names_.text(i);

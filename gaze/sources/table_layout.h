@@ -151,19 +151,10 @@ struct TableLayout {
   std::vector<std::size_t> gazeColumns(bool with_rating) const;
 };
 
-/// A vendor's table of gaze in space.
-struct SpaceFormat {
-  std::string name;  ///< for reports
-  SpaceColumns columns{};
-  std::array<std::string, 2> validity{}, pupil_mm{};  ///< columns of each eye; may be empty
-  ValidityCode validity_code = ValidityCode::below_two;
-  std::string time{};  ///< empty: by its usual name
-  std::optional<double> time_scale_s{};
-  bool yaw_to_left = false;  ///< horizontal angles count to the left
-};
-
-/// Nothing for a table of no known vendor.
-std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names);
+/// Sets what a vendor's table of gaze in space says: its name, lines of sight, pupils and, unless
+/// the study names it, the time.
+/// @return false for a table of no such vendor
+bool takeSpaceVendor(const ColumnNames& names, const TraceColumns& given, TableLayout& layout);
 
 /// What the columns hold, as far as the layout says.
 std::vector<ColumnRole> rolesOf(const TableLayout& layout, const TraceColumns& given);

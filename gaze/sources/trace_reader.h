@@ -74,10 +74,6 @@ struct SpaceColumns {
   double origin_scale_m = 1.0;           ///< metres per unit of origins and points
   double head_scale_m = 1.0;             ///< metres per unit of the head's position
   AngleUnit angle_units = AngleUnit::deg;
-  /// The tangents of `angles` are the first and second part of the direction, in `axes`, over its
-  /// third one (Project Aria).
-  bool angles_are_tangents = false;
-  std::string depth{};  ///< of the point that both eyes look at along `both`, metres
 
   bool hasHead() const {
     return !head_quaternion[0].empty() || !head_angles[0].empty() || !head_euler[0].empty();

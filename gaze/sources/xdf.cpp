@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <map>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +18,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "base/words.h"
+#include "gaze/sources/column_names.h"
 #include "gaze/sources/lsl_stream.h"
 #include "gaze/sources/recording_formats.h"
 
@@ -113,10 +113,7 @@ std::string channelName(std::string_view channel, std::size_t number) {
   }
   if (name.empty()) name = "channel" + std::to_string(number + 1);
   std::string unit = plain(element(channel, "unit"));
-  static const std::map<std::string, std::string> kShort = {
-      {"pixels", "px"},   {"pixel", "px"},  {"millimeters", "mm"},
-      {"degrees", "deg"}, {"seconds", "s"}, {"normalized", "norm"}};
-  if (const auto found = kShort.find(unit); found != kShort.end()) unit = found->second;
+  if (std::string known = shortUnit(lowered(unit)); !known.empty()) unit = std::move(known);
   const bool stated = unit == "norm" && name.find("norm") != name.npos;
   if (stated || unit.find_first_of("[]()") != unit.npos || name.find_first_of("[(") != name.npos) {
     unit = {};

@@ -138,6 +138,23 @@ TEST(AriaGen2, TheMeanOfTheEyesIsTheCombinedDirection) {
   }
 }
 
+TEST_F(Aria, GazeKeepsItsUnitBesideAHeadInDegrees) {
+  std::string text = bothEyes(false);
+  for (std::size_t at = 0, line = 0; (at = text.find('\n', at)) != text.npos; ++line) {
+    const char* const more = line == 0 ? ",right,up,roll" : ",90,0,0";
+    text.insert(at, more);
+    at += std::string_view(more).size() + 1;
+  }
+  TraceColumns columns;
+  columns.space.head_angles = {"right", "up", "roll"};
+  columns.space.axes = "right-up-forward";
+  const GazeTrace trace = readTrace(write("eyegaze.csv", text), columns, {});
+  expectTarget(trace.samples[5]);
+  ASSERT_TRUE(trace.samples[5].head);
+  const glm::dvec3 ahead = trace.samples[5].head->world_from_head * glm::dvec3(0.0, 0.0, -1.0);
+  EXPECT_LT(glm::distance(ahead, glm::dvec3(1.0, 0.0, 0.0)), kDigits);
+}
+
 TEST_F(Aria, OlderFilesHaveOneAngleAndADepth) {
   std::string text =
       "tracking_timestamp_us,yaw_rads_cpf,pitch_rads_cpf,depth_m,yaw_low_rads_cpf,"

@@ -8,6 +8,7 @@
 
 #include "base/input_error.h"
 #include "gaze/sources/trace_reader.h"
+#include "tests/unit/gaze/scratch.h"
 
 namespace foci {
 namespace {
@@ -214,6 +215,14 @@ TEST_F(TwoEyes, AreRefusedUnlessOneIsLeftAndOneRight) {
   for (const char* name : {"left", "cyclopean"}) {
     write("eye2", name, 420.0, 0.0);
     EXPECT_THROW(readTrace(file("eye1"), {}, kScreen), InputError) << name;
+  }
+}
+
+TEST_F(TwoEyes, HaveANameForEachColumn) {
+  for (const char* row : {"0\t1\n0.01\t1\n", "0\t1\t2\t3\n0.01\t1\t2\t3\n"}) {
+    std::ofstream(file("eye1")) << row;
+    const std::string said = refusalBy([&] { readTrace(file("eye1"), {}, kScreen); });
+    EXPECT_NE(said.find("Columns names 3"), std::string::npos) << said;
   }
 }
 

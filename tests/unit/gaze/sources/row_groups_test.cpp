@@ -58,7 +58,8 @@ std::string refusal(const std::string& text, const TraceColumns& columns = {}) {
 }
 
 TEST(RowGroups, SeveralPeopleAreRefusedByNameAndEachCanBeRead) {
-  for (const char* column : {"participant", "Subject ID", "user", "who"}) {
+  for (const char* column :
+       {"participant", "Subject ID", "user", "RECORDING_SESSION_LABEL", "who"}) {
     for (const bool interleaved : {true, false}) {
       const std::string text = twoPeople(column, interleaved);
       if (!interleaved && std::string(column) == "who") continue;  // its name tells nothing
