@@ -309,7 +309,7 @@ std::optional<std::size_t> NamedTable::find(std::string_view name) const {
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) return std::nullopt;
   if (std::find(found + 1, names.end(), name) != names.end()) {
-    throw error("two columns " + std::string(name));
+    throw error("column " + std::string(name) + " twice");
   }
   return static_cast<std::size_t>(found - names.begin());
 }
