@@ -96,6 +96,7 @@ ComparedRun readRun(const std::filesystem::path& folder) {
   while (events.next()) run.fixations += events.text(event) == "fixation";
   NamedTable objects = table("objects.tsv");
   const std::size_t object = objects.column("object"), dwell = objects.column("dwell_s");
+  objects.withoutComments();  // an object may be named #1
   while (objects.next()) {
     run.dwell_s[std::string(objects.text(object))] = objects.needed(dwell);
   }

@@ -242,7 +242,7 @@ void TextRows::readNamesAsRow() {
 
 bool TextRows::readLine(std::string_view& line) {
   while (lines_.next(line)) {
-    if (!trimmed(line).empty() && line.front() != '#') return true;
+    if (!trimmed(line).empty() && !(has_comments_ && line.front() == '#')) return true;
   }
   return false;
 }

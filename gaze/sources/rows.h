@@ -153,6 +153,8 @@ class TextRows final : public Rows {
   /// @param header  the columns' names, separated as the fields are
   TextRows(LineReader& lines, const TablePreamble& before, const std::string& header);
 
+  /// Call before `next`: the table has no comments, so that a row may begin with #.
+  void withoutComments() { has_comments_ = false; }
   /// Call before `next`: a first row of the names is none.
   void skipNames();
 
@@ -177,6 +179,7 @@ class TextRows final : public Rows {
   std::vector<Line> held_{};  // that `survey` has read
   std::size_t next_held_ = 0;
   std::size_t number_ = 0;  // of the latest line
+  bool has_comments_ = true;
 };
 
 /// A small table whose columns are known by their names. Blank lines and comments (#) are no rows.
@@ -193,10 +196,12 @@ class NamedTable final : public Place {
   /// @throws InputError if there is none
   std::size_t column(std::string_view name) const;
 
+  /// Call before `next`: the table has no comments, so that a row may begin with #.
+  void withoutComments() { rows_->withoutComments(); }
+
   /// Moves on to the next row.
   /// @throws InputError for a row of another number of fields, and at the end if commas may
-  /// separate
-  ///   thousands
+  /// separate thousands
   bool next();
   bool isCut() const { return cut_.has_value(); }
 
