@@ -186,11 +186,10 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
   TextRows rows(lines, before, names);
   rows.skipNames();
   rows.survey(1, [&] {
-    std::size_t fields = rows.size();
-    while (fields > rows.names().size() && rows.text(fields - 1).empty()) --fields;
-    if (fields == rows.names().size()) return;
+    const std::size_t columns = rows.names().size(), fields = rows.sizeUpToText(columns);
+    if (fields == columns) return;
     throw rows.error(std::to_string(fields) + " fields, but Columns names " +
-                     std::to_string(rows.names().size()) + ": expected a name for each");
+                     std::to_string(columns) + ": expected a name for each");
   });
   Screen screen = fallback_screen;
   if (before.screen.size_px.x > 0) screen.size_px = before.screen.size_px;

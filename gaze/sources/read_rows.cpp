@@ -353,8 +353,7 @@ class RowReader {
 
   /// A row with more fields than the header has names: a comma is decimal, or not in quotes.
   void refuseExtraFields() const {
-    std::size_t fields = rows_.size();
-    while (fields > 0 && rows_.text(fields - 1).empty()) --fields;
+    const std::size_t fields = rows_.sizeUpToText(layout_.names);
     if (fields <= layout_.names || layout_.headless) return;
     throw rows_.error(std::to_string(fields) + " fields where the header has " +
                       std::to_string(layout_.names) +

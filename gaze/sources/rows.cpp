@@ -323,8 +323,7 @@ bool NamedTable::next() {
   const std::size_t columns = rows_->names().size();
   while (rows_->next()) {
     if (cut_) throw *cut_;
-    std::size_t fields = rows_->size();
-    while (fields > columns && text(fields - 1).empty()) --fields;
+    const std::size_t fields = rows_->sizeUpToText(columns);
     if (fields == columns) return any_ = true;
     cut_ = error(std::to_string(fields) + " fields: expected " + std::to_string(columns));
     if (!may_be_cut_ || !any_ || fields > columns) throw *cut_;

@@ -76,6 +76,12 @@ class Rows : public Place {
 
   /// Of the latest row.
   std::size_t size() const { return areNumbers() ? numbers_.size() : fields_.size(); }
+  /// Fields of the latest row without the empty ones at its end, of which the first `kept` count.
+  std::size_t sizeUpToText(std::size_t kept) const {
+    std::size_t fields = size();
+    while (fields > kept && text(fields - 1).empty()) --fields;
+    return fields;
+  }
   /// A field as the text has it; a number as text, for messages.
   std::string_view text(std::size_t column) const {
     return areNumbers() ? textOf(numbers_[column]) : fields_[column];
