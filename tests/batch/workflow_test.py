@@ -37,16 +37,17 @@ def recording(foci, folder, subject):
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def replays():
-    """The processes that replay a recording of this test, by their number."""
-    found = {}
-    for process in pathlib.Path("/proc").iterdir():
+def replays(folder):
+    """The numbers of the processes that replay a recording in this folder. A process may end while it is read."""
+    found = []
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             words = (process / "cmdline").read_bytes().split(b"\0")
-        except (OSError, ValueError):
+            here = os.readlink(process / "cwd") == str(folder)
+        except OSError:
             continue
-        if len(words) > 3 and words[0].endswith(b"foci") and words[1] == b"replay" and b"--frames" not in words:
-            found[int(process.name)] = words
+        if here and len(words) > 3 and words[0].endswith(b"foci") and words[1] == b"replay" and b"--frames" not in words:
+            found.append(int(process.name))
     return found
 
 
@@ -71,12 +72,12 @@ def main():
                                     stderr=subprocess.STDOUT, text=True)
         killed = None
         while killed is None and workflow.poll() is None:
-            mine = [pid for pid, words in replays().items() if os.readlink(f"/proc/{pid}/cwd") == str(folder)]
-            if mine:
-                time.sleep(0.2)
-                killed = mine[0]
+            before = replays(folder)
+            time.sleep(0.2)
+            running = [process for process in replays(folder) if process in before]
+            if running:
+                killed = running[0]
                 os.kill(killed, signal.SIGKILL)
-            time.sleep(0.01)
         output = workflow.communicate(timeout=300)[0]
         assert killed is not None, output
         assert workflow.returncode == 0, output
