@@ -1,12 +1,13 @@
 #include "app/evaluation/ball.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
 #include <memory>
-#include <opencv2/core.hpp>
 #include <utility>
 
+#include "base/image_codec.h"
 #include "render/optics/defocus.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/mesh/orientation.h"
@@ -33,15 +34,18 @@ glm::vec3 onBall(float u, float v) {
   return radius * glm::vec3(sine * std::sin(around), std::cos(down), sine * std::cos(around));
 }
 
-cv::Mat checks() {
-  cv::Mat image(kTexture_px.y, kTexture_px.x, CV_8UC3);
+DecodedImage checks() {
+  DecodedImage image{.columns = kTexture_px.x, .rows = kTexture_px.y};
   for (int y = 0; y < kTexture_px.y; ++y) {
     for (int x = 0; x < kTexture_px.x; ++x) {
       const bool light = (x / kCheck_px + y / kCheck_px) % 2 == 0;
       const auto along_x = static_cast<std::uint8_t>(255 * x / kTexture_px.x);
       const auto along_y = static_cast<std::uint8_t>(255 * y / kTexture_px.y);
-      image.at<cv::Vec3b>(y, x) = light ? cv::Vec3b(along_x, 215, 235)
-                                        : cv::Vec3b(40, static_cast<std::uint8_t>(along_y / 2), 30);
+      const std::array<std::uint8_t, 4> dark_rgba = {30, static_cast<std::uint8_t>(along_y / 2), 40,
+                                                     255};
+      const std::array<std::uint8_t, 4> light_rgba = {235, 215, along_x, 255};
+      const auto& rgba = light ? light_rgba : dark_rgba;
+      image.rgba.insert(image.rgba.end(), rgba.begin(), rgba.end());
     }
   }
   return image;

@@ -1,10 +1,10 @@
 #include "app/graphics/image.h"
 
 #include <algorithm>
-#include <cstring>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/image_codec.h"
+#include "base/image_header.h"
 #include "render/image/srgb.h"
 
 namespace foci {
@@ -87,48 +87,27 @@ Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std:
   return grid;
 }
 
-namespace {
-
-std::vector<std::uint8_t> encoded(const Image& image, const char* extension,
-                                  const std::vector<int>& parameters) {
-  cv::Mat bgr;
-  cv::cvtColor(matOf(image), bgr, cv::COLOR_RGB2BGR);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(extension, bgr, bytes, parameters);
-  return bytes;
-}
-
-}  // namespace
-
 std::vector<std::uint8_t> jpegOf(const Image& image) {
-  return encoded(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  return encodeJpeg(image.size_px.x, image.size_px.y, image.rgb.data(), kJpegQuality);
 }
 
-std::vector<std::uint8_t> pngOf(const Image& image) { return encoded(image, ".png", {}); }
+std::vector<std::uint8_t> pngOf(const Image& image) {
+  return encodePng(image.size_px.x, image.size_px.y, 3, image.rgb.data());
+}
 
 Image imageOfPng(const std::vector<std::uint8_t>& bytes, const glm::ivec2& size_px) {
-  // The signature, and the width and height of the chunk IHDR, big-endian (W3C, PNG, 2003).
-  constexpr std::size_t kSizeAt = 16;
-  if (bytes.size() < kSizeAt + 8 || std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) != 0)
-    return {};
-  for (int axis = 0; axis < 2; ++axis) {
-    std::uint32_t stated = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      stated = stated << 8 | bytes[kSizeAt + 4 * static_cast<std::size_t>(axis) + i];
-    }
-    if (stated != static_cast<std::uint32_t>(size_px[axis])) return {};
-  }
-  cv::Mat decoded;
-  try {
-    decoded = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
+  const auto stated = statedImageSize(bytes);
+  if (!stated || stated->columns != static_cast<std::uint64_t>(size_px.x) ||
+      stated->rows != static_cast<std::uint64_t>(size_px.y)) {
     return {};
   }
-  if (decoded.empty()) return {};
-  Image image{.size_px = {decoded.cols, decoded.rows}, .rgb = {}};
-  image.rgb.resize(3 * decoded.total());
-  cv::Mat to = matOf(image);
-  cv::cvtColor(decoded, to, cv::COLOR_BGR2RGB);
+  const auto decoded = decodeImage(bytes);
+  if (!decoded) return {};
+  Image image{.size_px = size_px, .rgb = {}};
+  image.rgb.reserve(3 * decoded->total());
+  for (std::size_t i = 0; i < decoded->rgba.size(); i += 4) {
+    image.rgb.insert(image.rgb.end(), &decoded->rgba[i], &decoded->rgba[i] + 3);
+  }
   return image;
 }
 

@@ -38,8 +38,8 @@ std::vector<std::uint8_t> jpegOf(const Image& image);
 /// The bytes of a PNG file.
 std::vector<std::uint8_t> pngOf(const Image& image);
 
-/// The image of a PNG file's bytes; an empty one unless they are a PNG that states this size. A
-/// larger one is not unpacked.
+/// The image of a PNG file's bytes; an empty one unless they state this size. A larger one is not
+/// unpacked.
 Image imageOfPng(const std::vector<std::uint8_t>& bytes, const glm::ivec2& size_px);
 
 }  // namespace foci

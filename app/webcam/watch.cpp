@@ -5,15 +5,15 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <thread>
 
-#include "app/graphics/video_writer.h"
+#include "app/graphics/image.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/platform/progress.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "base/text.h"
@@ -123,17 +123,17 @@ class Overlay {
     if (staged_.empty()) return;
     if (image.channels() == 1) cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
     drawRecord(image, record, camera);
-    if (one_) {
-      if (!cv::imwrite(staged_.string(), image)) {
-        throw std::runtime_error(staged_.string() + ": cannot be written");
-      }
-      return;
-    }
-    const cv::Rect even(0, 0, image.cols / 2 * 2, image.rows / 2 * 2);
+    const int unit = one_ ? 1 : 2;  // a video's sides are even
+    const cv::Rect shown(0, 0, image.cols / unit * unit, image.rows / unit * unit);
     cv::Mat rgb;
-    cv::cvtColor(image(even), rgb, cv::COLOR_BGR2RGB);
+    cv::cvtColor(image(shown), rgb, cv::COLOR_BGR2RGB);
     Image frame{{rgb.cols, rgb.rows}, {}};
     frame.rgb.assign(rgb.datastart, rgb.dataend);
+    if (one_) {
+      const auto png = pngOf(frame);
+      replaceFile(staged_, {png.begin(), png.end()});
+      return;
+    }
     if (!video_) video_ = std::make_unique<VideoWriter>(staged_, frame.size_px, rate_Hz_);
     video_->push(std::move(frame));
   }

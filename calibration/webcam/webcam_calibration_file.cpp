@@ -1,72 +1,32 @@
 // Webcam calibrations on disk. One TOML file holds all: the view of the head is a PNG in base64
 // (RFC 4648).
 #include <algorithm>
-#include <array>
-#include <opencv2/imgcodecs.hpp>
+#include <cctype>
+#include <opencv2/core.hpp>
+#include <sstream>
+#include <string>
 
+#include "base/base64.h"
+#include "base/image_codec.h"
+#include "base/image_header.h"
 #include "calibration/calibration_file.h"
 #include "calibration/webcam/webcam_calibration.h"
 
 namespace foci {
 namespace {
 
-constexpr std::uint32_t kMaxImage_px = 4096;
+constexpr std::uint64_t kMaxImage_px = 4096;
 constexpr double kMaxNumber = 1e12;
-constexpr std::string_view kDigits =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-std::string encoded(const std::vector<unsigned char>& bytes) {
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-    }
-    const std::size_t digits = std::min<std::size_t>(bytes.size() - i, 3) + 1;
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k < digits ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-    }
-  }
-  return text;
-}
-
-std::optional<std::vector<unsigned char>> decoded(std::string_view text) {
-  std::vector<unsigned char> bytes;
-  unsigned group = 0;
-  int bits = 0;
-  for (const char c : text.substr(0, text.find('='))) {
-    const std::size_t digit = kDigits.find(c);
-    if (digit == kDigits.npos) return std::nullopt;
-    group = (group << 6 | static_cast<unsigned>(digit)) & 0xFFFFFFu;
-    bits += 6;
-    if (bits >= 8) {
-      bits -= 8;
-      bytes.push_back(static_cast<unsigned char>(group >> bits & 255u));
-    }
-  }
-  return bytes;
-}
-
-/// Whether a PNG's header states at most `max_px` by `max_px`. Checked before unpacking: a few
-/// bytes can state gigabytes.
-bool isSmallPng(const std::vector<unsigned char>& bytes, std::uint32_t max_px) {
-  constexpr std::array<unsigned char, 8> kMagic = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  if (bytes.size() < 24 || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) return false;
-  const auto number = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    for (std::size_t i = at; i < at + 4; ++i) value = value << 8 | bytes[i];
-    return value;
-  };
-  return number(16) <= max_px && number(20) <= max_px;
-}
-
 std::string headToml(const HeadView& view) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", view.grey, png);
+  std::ostringstream image;
+  Base64 text(image);
+  const auto png = encodePng(view.grey.cols, view.grey.rows, 1, view.grey.data);
+  text.add(png.data(), png.size());
+  text.finish();
   return "\ncorner_px = " + exactText(view.corner_px) +
          "\nrotation = " + exactText(view.pose.camera_from_head) +
          "\nposition_mm = " + exactText(std::span(&view.pose.position_mm.x, 3)) + "\nimage = \"" +
-         encoded(png) + "\"\n";
+         image.str() + "\"\n";
 }
 
 HeadView readHeadView(CalibrationFile& in) {
@@ -78,8 +38,18 @@ HeadView readHeadView(CalibrationFile& in) {
   if (!(view.pose.position_mm.z > 50.0)) {
     in.refuse("reference.position_mm", "a head more than 50 mm in front of the camera");
   }
-  const auto png = decoded(in.text("reference.image"));
-  if (png && isSmallPng(*png, kMaxImage_px)) view.grey = cv::imdecode(*png, cv::IMREAD_GRAYSCALE);
+  const std::string text = in.text("reference.image");
+  const auto png = bytesOfBase64(text);
+  const auto size = statedImageSize(png);
+  const bool clean = std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '+' || c == '/' || c == '=';
+  });
+  if (clean && size && std::max(size->columns, size->rows) <= kMaxImage_px) {
+    if (auto image = decodeImage(png)) {
+      const cv::Mat rgba(image->rows, image->columns, CV_8UC4, image->rgba.data());
+      cv::extractChannel(rgba, view.grey, 0);
+    }
+  }
   if (view.grey.empty() || view.grey.cols < 32 || view.grey.rows < 32) {
     in.refuse("reference.image", "a PNG in base64, 32 to 4096 px");
   }

@@ -4,19 +4,15 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <opencv2/core.hpp>
-#include <opencv2/core/ocl.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/quality/qualityssim.hpp>
-
-#include "render/image/frame_mat.h"
+#include "render/image/filter.h"
 
 namespace foci {
 namespace {
 
 constexpr int kStraddle_px = 3;
-constexpr float kStep = 0.05f;       // of the vergence; chosen by hand, as is the straddle
-constexpr double kSsimPeak = 255.0;  // the peak that OpenCV's constants assume
+constexpr float kStep = 0.05f;  // of the vergence; chosen by hand, as is the straddle
+constexpr float kSsimSigma_px = 1.5f, kSsimC1 = 0.01f * 0.01f, kSsimC2 = 0.03f * 0.03f;
+constexpr int kSsimReach_px = 5;
 
 double squaredDifference(const glm::vec4& a, const glm::vec4& b) {
   const glm::dvec3 difference = glm::dvec3(a) - glm::dvec3(b);
@@ -27,10 +23,46 @@ double psnrOfSum_dB(double sum, std::size_t pixels) {
   return -10.0 * std::log10(sum / (3.0 * static_cast<double>(pixels)));
 }
 
-cv::Mat rgbForSsim(const Frame& frame) {
-  cv::Mat rgb;
-  cv::cvtColor(rgbaMat(frame), rgb, cv::COLOR_RGBA2RGB);
-  return rgb * kSsimPeak;
+glm::vec4 meanOf(const Frame& frame) {
+  glm::dvec4 sum(0.0);
+  for (const glm::vec4& pixel : frame.rgba) sum += glm::dvec4(pixel);
+  return glm::vec4(sum / static_cast<double>(frame.rgba.size()));
+}
+
+/// The mean under the window of SSIM at each pixel of f(a, b).
+template <class Product>
+std::vector<glm::vec4> windowMeans(const Frame& a, const Frame& b, Product product) {
+  std::vector<float> kernel;
+  float sum = 0.0f;
+  for (int i = 0; i <= kSsimReach_px; ++i) {
+    kernel.push_back(std::exp(-0.5f * static_cast<float>(i * i) / (kSsimSigma_px * kSsimSigma_px)));
+    sum += (i == 0 ? 1.0f : 2.0f) * kernel.back();
+  }
+  for (float& weight : kernel) weight /= sum;
+  std::vector<glm::vec4> pixels(a.rgba.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = product(a.rgba[i], b.rgba[i]);
+  filterSeparably(pixels, a.size_px, kernel, ImageBorder::reflect);
+  return pixels;
+}
+
+/// The median of 3 x 3 values; those of the edge go on beyond it.
+std::vector<float> medianOf9(const std::vector<float>& values, const glm::ivec2& size_px) {
+  std::vector<float> medians;
+  medians.reserve(values.size());
+  for (int y = 0; y < size_px.y; ++y) {
+    for (int x = 0; x < size_px.x; ++x) {
+      std::array<float, 9> near{};
+      for (int k = 0; k < 9; ++k) {
+        const int column = std::clamp(x + k % 3 - 1, 0, size_px.x - 1);
+        const int row = std::clamp(y + k / 3 - 1, 0, size_px.y - 1);
+        near[static_cast<std::size_t>(k)] =
+            values[static_cast<std::size_t>(row) * size_px.x + column];
+      }
+      std::nth_element(near.begin(), near.begin() + 4, near.end());
+      medians.push_back(near[4]);
+    }
+  }
+  return medians;
 }
 
 /// Adds a disc to the band, row by row.
@@ -60,10 +92,30 @@ double psnr_dB(const Frame& a, const Frame& b) {
 
 double ssim(const Frame& a, const Frame& b) {
   assert(a.size_px == b.size_px);
-  cv::ocl::setUseOpenCL(false);  // the same result on a machine with a graphics card
-  const cv::Scalar channels =
-      cv::quality::QualitySSIM::compute(rgbForSsim(a), rgbForSsim(b), cv::noArray());
-  return (channels[0] + channels[1] + channels[2]) / 3.0;
+  // Variances of small numbers lose few digits: each frame's mean is subtracted.
+  const glm::vec4 mid_a = meanOf(a), mid_b = meanOf(b);
+  const auto deviations_a =
+      windowMeans(a, b, [&](const auto& p, const auto&) { return p - mid_a; });
+  const auto deviations_b =
+      windowMeans(a, b, [&](const auto&, const auto& q) { return q - mid_b; });
+  const auto squares_a =
+      windowMeans(a, b, [&](const auto& p, const auto&) { return (p - mid_a) * (p - mid_a); });
+  const auto squares_b =
+      windowMeans(a, b, [&](const auto&, const auto& q) { return (q - mid_b) * (q - mid_b); });
+  const auto products =
+      windowMeans(a, b, [&](const auto& p, const auto& q) { return (p - mid_a) * (q - mid_b); });
+  glm::dvec3 sum(0.0);
+  for (std::size_t i = 0; i < products.size(); ++i) {
+    const glm::vec4 &da = deviations_a[i], &db = deviations_b[i];
+    const glm::vec4 mean_a = mid_a + da, mean_b = mid_b + db;
+    const glm::vec4 covariance = products[i] - da * db;
+    const glm::vec4 variances = squares_a[i] - da * da + squares_b[i] - db * db;
+    const glm::vec4 similar =
+        (2.0f * mean_a * mean_b + kSsimC1) * (2.0f * covariance + kSsimC2) /
+        ((mean_a * mean_a + mean_b * mean_b + kSsimC1) * (variances + kSsimC2));
+    sum += glm::dvec3(similar);
+  }
+  return (sum.x + sum.y + sum.z) / (3.0 * static_cast<double>(products.size()));
 }
 
 double coverageError(const Frame& a, const Frame& b) {
@@ -79,20 +131,21 @@ std::vector<std::uint8_t> silhouetteBand(const Frame& pinhole, const Defocus& de
   assert(pinhole.depth_m.size() == pinhole.rgba.size());
   const glm::ivec2 size_px = pinhole.size_px;
   std::vector<std::uint8_t> band(pinhole.rgba.size(), 0);
-  cv::Mat vergence_D(size_px.y, size_px.x, CV_32FC1);
+  std::vector<float> vergence_D(band.size());
   for (std::size_t i = 0; i < band.size(); ++i) {
-    vergence_D.ptr<float>()[i] = pinhole.rgba[i].a >= 0.5f ? 1.0f / pinhole.depth_m[i] : 0.0f;
+    vergence_D[i] = pinhole.rgba[i].a >= 0.5f ? 1.0f / pinhole.depth_m[i] : 0.0f;
   }
-  cv::medianBlur(vergence_D, vergence_D, 3);
+  vergence_D = medianOf9(vergence_D, size_px);
+  const auto at = [&](const glm::ivec2& p) {
+    return vergence_D[static_cast<std::size_t>(p.y) * size_px.x + p.x];
+  };
   for (int y = 0; y < size_px.y; ++y) {
     for (int x = 0; x < size_px.x; ++x) {
       glm::vec2 reach_px(-1.0f);
       for (const glm::ivec2 step : {glm::ivec2(kStraddle_px, 0), glm::ivec2(0, kStraddle_px)}) {
         const glm::ivec2 low = glm::ivec2(x, y) - step, high = glm::ivec2(x, y) + step;
         if (low.x < 0 || low.y < 0 || high.x >= size_px.x || high.y >= size_px.y) continue;
-        const std::array<float, 3> d = {vergence_D.at<float>(low.y, low.x),
-                                        vergence_D.at<float>(y, x),
-                                        vergence_D.at<float>(high.y, high.x)};
+        const std::array<float, 3> d = {at(low), at({x, y}), at(high)};
         const float max_D = std::max({d[0], d[1], d[2]});
         if (!(std::abs(d[0] - 2.0f * d[1] + d[2]) > kStep * max_D)) continue;
         for (const float one_D : d) {

@@ -16,7 +16,7 @@ namespace foci {
 double psnr_dB(const Frame& a, const Frame& b);
 
 /// Structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004), mean over pixels and channels,
-/// -1 to 1. OpenCV's, with windows weighted by a Gaussian of 1.5 px, K1 = 0.01, K2 = 0.03.
+/// -1 to 1. Windows of 11 x 11 px weighted by a Gaussian of 1.5 px, K1 = 0.01, K2 = 0.03, peak 1.
 double ssim(const Frame& a, const Frame& b);
 
 /// Mean absolute difference of the coverage (alpha), 0 to 1.

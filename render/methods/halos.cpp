@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
 #include "render/gl/image.h"
@@ -27,19 +26,61 @@ int directionOf(const LensPart& part) {
 /// The nearer to the rim, the more of a part's light is in the halos.
 float haloWeight(const LensPart& part) { return part.weight * glm::length(part.centre); }
 
-cv::Mat imageOf(Frame& frame) {
-  return {frame.size_px.y, frame.size_px.x, CV_32FC4, frame.rgba.data()};
+/// `image` with `before_px` more columns and rows at its start, `after_px` at its end. The border
+/// goes on beyond the image.
+Frame bordered(const Frame& image, const glm::ivec2& before_px, const glm::ivec2& after_px) {
+  Frame wide;
+  wide.resize(before_px + image.size_px + after_px);
+  parallelFor(static_cast<std::size_t>(wide.size_px.y), [&](std::size_t row) {
+    const int y = std::clamp(static_cast<int>(row) - before_px.y, 0, image.size_px.y - 1);
+    for (int x = 0; x < wide.size_px.x; ++x) {
+      wide.rgba[row * static_cast<std::size_t>(wide.size_px.x) + x] =
+          image.at(std::clamp(x - before_px.x, 0, image.size_px.x - 1), y);
+    }
+  });
+  return wide;
 }
 
 /// Means of blocks of `step` pixels. The border goes on beyond the image.
-cv::Mat shrunk(const cv::Mat& image, int step) {
+Frame shrunk(const Frame& image, int step) {
   if (step == 1) return image;
-  const cv::Size blocks((image.cols + step - 1) / step, (image.rows + step - 1) / step);
-  cv::Mat wide, small;
-  cv::copyMakeBorder(image, wide, 0, blocks.height * step - image.rows, 0,
-                     blocks.width * step - image.cols, cv::BORDER_REPLICATE);
-  cv::resize(wide, small, blocks, 0.0, 0.0, cv::INTER_AREA);
+  Frame small;
+  small.resize((image.size_px + step - 1) / step);
+  const Frame wide = bordered(image, glm::ivec2(0), small.size_px * step - image.size_px);
+  parallelFor(static_cast<std::size_t>(small.size_px.y), [&](std::size_t row) {
+    for (int x = 0; x < small.size_px.x; ++x) {
+      glm::vec4 sum(0.0f);
+      for (int dy = 0; dy < step; ++dy) {
+        for (int dx = 0; dx < step; ++dx) {
+          sum += wide.at(x * step + dx, static_cast<int>(row) * step + dy);
+        }
+      }
+      small.rgba[row * static_cast<std::size_t>(small.size_px.x) + x] =
+          sum / static_cast<float>(step * step);
+    }
+  });
   return small;
+}
+
+/// Adds to each pixel of `sum` the linear steps between the blocks of `small`.
+void addEnlarged(const Frame& small, int step, Frame& sum) {
+  const Frame wide = bordered(small, glm::ivec2(1), glm::ivec2(1));
+  const auto place = [&](int pixel) {  // in `wide`
+    return (static_cast<float>(pixel) + 0.5f) / static_cast<float>(step) + 0.5f;
+  };
+  parallelFor(static_cast<std::size_t>(sum.size_px.y), [&](std::size_t row) {
+    const float y = place(static_cast<int>(row));
+    const int top = static_cast<int>(y);
+    const float below = y - static_cast<float>(top);
+    for (int column = 0; column < sum.size_px.x; ++column) {
+      const float x = place(column);
+      const int left = static_cast<int>(x);
+      const float share = x - static_cast<float>(left);
+      sum.rgba[row * static_cast<std::size_t>(sum.size_px.x) + column] +=
+          glm::mix(glm::mix(wide.at(left, top), wide.at(left + 1, top), share),
+                   glm::mix(wide.at(left, top + 1), wide.at(left + 1, top + 1), share), below);
+    }
+  });
 }
 
 struct Tap {
@@ -86,25 +127,24 @@ std::vector<Tap> lineOf(int direction, double sigma, bool fans) {
 }
 
 /// Adds the image, weighted by the taps.
-void addSpread(const cv::Mat& image, const std::vector<Tap>& taps, float share, cv::Mat& sum) {
+void addSpread(const Frame& image, const std::vector<Tap>& taps, float share, Frame& sum) {
   int reach = 0;
   for (const Tap& tap : taps) reach = std::max({reach, std::abs(tap.x), std::abs(tap.y)});
-  cv::Mat wide;
-  cv::copyMakeBorder(image, wide, reach, reach, reach, reach, cv::BORDER_REPLICATE);
-  parallelFor(static_cast<std::size_t>(image.rows), [&](std::size_t row) {
+  const Frame wide = bordered(image, glm::ivec2(reach), glm::ivec2(reach));
+  const glm::ivec2 size_px = image.size_px;
+  parallelFor(static_cast<std::size_t>(size_px.y), [&](std::size_t row) {
     constexpr int kBlock = 4;  // pixels whose sums stay in registers
     const int y = static_cast<int>(row);
-    auto* to = sum.ptr<float>(y);
-    for (int x = 0; x < image.cols; x += kBlock) {
-      const int first = std::min(x, std::max(image.cols - kBlock, 0));
-      const int count = std::min(kBlock, image.cols);
-      float block[4 * kBlock] = {};
+    glm::vec4* to = &sum.rgba[row * static_cast<std::size_t>(size_px.x)];
+    for (int x = 0; x < size_px.x; x += kBlock) {
+      const int first = std::min(x, std::max(size_px.x - kBlock, 0));
+      const int count = std::min(kBlock, size_px.x);
+      glm::vec4 block[kBlock] = {};
       for (const Tap& tap : taps) {
-        const float* from = wide.ptr<float>(y + reach + tap.y) +
-                            4 * static_cast<std::ptrdiff_t>(first + reach + tap.x);
-        for (int i = 0; i < 4 * count; ++i) block[i] += tap.weight * from[i];
+        const glm::vec4* from = &wide.at(first + reach + tap.x, y + reach + tap.y);
+        for (int i = 0; i < count; ++i) block[i] += tap.weight * from[i];
       }
-      for (int i = 4 * (x - first); i < 4 * count; ++i) to[4 * first + i] += share * block[i];
+      for (int i = x - first; i < count; ++i) to[first + i] += share * block[i];
     }
   });
 }
@@ -144,34 +184,28 @@ void Halos::add(const LensPart& part, Frame& frame) {
 void Halos::spreadGroup() {
   if (direction_ < 0) return;
   readFromGpu(group_);
-  const cv::Mat image = imageOf(group_);
   for (Halo& halo : halos_) {
-    const cv::Mat small = shrunk(image, halo.step_px);
+    const Frame small = shrunk(group_, halo.step_px);
     if (halo.light.rgba.empty()) {
-      halo.light.resize({small.cols, small.rows});
+      halo.light.resize(small.size_px);
       std::ranges::fill(halo.light.rgba, glm::vec4(0.0f));
     }
-    cv::Mat light = imageOf(halo.light);
-    addSpread(small, lineOf(direction_, halo.sigma_px, halo.step_px > 1), halo.share, light);
+    addSpread(small, lineOf(direction_, halo.sigma_px, halo.step_px > 1), halo.share, halo.light);
   }
 }
 
 void Halos::spreadInto(Frame& mean) {
   spreadGroup();
   readFromGpu(mean);
-  cv::Mat light = imageOf(mean);
   float in_core = 1.0f;
   for (const Halo& halo : halos_) in_core -= halo.share;
-  light *= in_core;
-  for (Halo& halo : halos_) {
-    const cv::Mat spread = imageOf(halo.light);
-    if (halo.step_px == 1) {
-      light += spread;
-      continue;
+  for (glm::vec4& pixel : mean.rgba) pixel *= in_core;
+  for (const Halo& halo : halos_) {
+    if (halo.step_px > 1) {
+      addEnlarged(halo.light, halo.step_px, mean);
+    } else {
+      for (std::size_t i = 0; i < mean.rgba.size(); ++i) mean.rgba[i] += halo.light.rgba[i];
     }
-    cv::Mat wide;
-    cv::resize(spread, wide, spread.size() * halo.step_px, 0.0, 0.0, cv::INTER_LINEAR);
-    light += wide(cv::Rect(0, 0, light.cols, light.rows));
   }
 }
 

@@ -64,6 +64,26 @@ def check_subproject(cmake, cxx, folder):
         expect(absent not in libraries, f"a project that adds foci gets {absent}")
 
 
+def check_render_alone(cmake, cxx, folder):
+    """Where only TBB, GLM, Highway, nanoflann, nlohmann's JSON, libpng and OpenGL are installed, foci::render can be used."""
+    folder.mkdir()
+    (folder / "main.cpp").write_text("#include <foci/render/methods/method.h>\nint main() { return foci::methods().empty(); }\n")
+    (folder / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.25)\nproject(embeds LANGUAGES CXX)\n"
+        f'add_subdirectory("{EXAMPLES.parent}" foci EXCLUDE_FROM_ALL)\n'
+        "add_executable(embeds main.cpp)\ntarget_link_libraries(embeds PRIVATE foci::render)\n")
+    absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON"
+              for package in ("OpenCV", "Ceres", "toml11", "embree", "draco", "meshoptimizer", "assimp")]
+    run(cmake, "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={cxx}", *absent)
+    sources = ("CMakeFiles/foci_base.dir/base/image_codec.cpp.o", "render/CMakeFiles/foci_render.dir/scene/io/compression.cpp.o",
+               "render/CMakeFiles/foci_render.dir/scene/io/mesh_textures.cpp.o")
+    run("ninja", "-C", folder / "build", "CMakeFiles/embeds.dir/main.cpp.o", *(f"foci/{source}" for source in sources))
+    commands = run("ninja", "-C", folder / "build", "-n", "-v", "embeds")
+    expect("-o embeds" in commands and "libpng" in commands, commands)
+    for absent in ("opencv", "ceres", "embree", "draco", "turbojpeg", "webp", "zstd"):
+        expect(absent not in commands, f"foci::render alone needs {absent}")
+
+
 def check_headers(include, cxx):
     headers = sorted(include.rglob("*.h"))
     expect(len(headers) > 50, f"only {len(headers)} headers in {include}")
@@ -114,6 +134,7 @@ def main():
 
         check_components(cmake, prefix, cxx, folder / "components")
         check_subproject(cmake, cxx, folder / "subproject")
+        check_render_alone(cmake, cxx, folder / "alone")
         write_inputs(folder)
         out = run(programs / "render_ply", "square.ply", "2", "square.png", cwd=folder)
         expect("441 surfels" in out and (folder / "square.png").read_bytes().startswith(b"\x89PNG"), out)

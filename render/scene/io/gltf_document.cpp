@@ -11,8 +11,8 @@
 #include "base/base64.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "render/scene/io/compression.h"
 #include "render/scene/io/file_bytes.h"
-#include "render/scene/io/gltf_compression.h"
 #include "render/scene/io/named_file.h"
 
 namespace foci {
@@ -209,7 +209,9 @@ void GltfDocument::checkExtensions() {
     const auto name = each.get<std::string>();
     if (name.starts_with("KHR_gaussian_splatting")) continue;
     const auto is = [&](std::string_view known) { return name == known; };
-    if (name == "KHR_draco_mesh_compression" || std::any_of(kMeshopt.begin(), kMeshopt.end(), is)) {
+    const bool compressed =
+        name == "KHR_draco_mesh_compression" || std::any_of(kMeshopt.begin(), kMeshopt.end(), is);
+    if (readsCompressed() && compressed) {
       compression_ = name;
     } else if (!name.starts_with("KHR_materials_") &&
                std::none_of(kRead.begin(), kRead.end(), is)) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "render/scene/io/gltf_compression.h"
+#include "render/scene/io/compression.h"
 #include "render/scene/io/gltf_document.h"
 
 namespace foci {

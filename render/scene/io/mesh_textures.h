@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/image_codec.h"
 #include "base/memory_budget.h"
 #include "render/scene/io/scene_facts.h"
 #include "render/scene/mesh/texture.h"
@@ -39,9 +40,9 @@ class MeshTextures {
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
-  /// Empty, with a remark that ends with `instead`.
-  cv::Mat image(const ImageSource& source, const char* instead);
-  cv::Mat decoded(std::span<const unsigned char> bytes);
+  /// Nothing, with a remark that ends with `instead`.
+  std::optional<DecodedImage> image(const ImageSource& source, const char* instead);
+  std::optional<DecodedImage> decoded(std::span<const unsigned char> bytes);
 
   MemoryBudget budget_;
   std::vector<std::string> remarks_;

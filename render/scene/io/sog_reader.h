@@ -5,8 +5,6 @@
 // value of its channel, and an opacity is a logit. Private to the readers of SOG.
 #pragma once
 
-#include <webp/decode.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,8 +19,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/image_codec.h"
+#include "base/image_header.h"
 #include "base/input_error.h"
 #include "render/scene/harmonics.h"
+#include "render/scene/io/compression.h"
 #include "render/scene/io/gaussian_file.h"
 #include "render/scene/io/zip_archive.h"
 
@@ -299,22 +300,19 @@ class Reader {
   Image image(const char* property, std::size_t which, std::size_t least) const {
     const std::string file = nameOf(property, which);
     const std::vector<unsigned char> packed = source_.read(folder_ + file, kMaxImage);
-    Image image;
-    if (WebPGetInfo(packed.data(), packed.size(), &image.width, &image.height) == 0) {
-      throw InputError(name(), file + ": expected a WebP image");
+    if (!readsCompressed()) {
+      throw InputError(name(), "holds WebP images: foci was built without WebP");
     }
-    const std::uint64_t pixels =
-        static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
+    const auto size = statedImageSize(packed);
+    if (!size) throw InputError(name(), file + ": expected a WebP image");
+    const std::uint64_t pixels = size->columns * size->rows;
     if (pixels < least || pixels > kMaxPalette + 2 * std::uint64_t{count_} + (1u << 16u)) {
       throw InputError(name(), file + " has " + std::to_string(pixels) + " pixels for " +
                                    std::to_string(count_) + " Gaussians: damaged");
     }
-    image.rgba.resize(4 * pixels);
-    if (WebPDecodeRGBAInto(packed.data(), packed.size(), image.rgba.data(), image.rgba.size(),
-                           4 * image.width) == nullptr) {
-      throw InputError(name(), file + ": a damaged WebP image");
-    }
-    return image;
+    auto image = decodeImage(packed, pixels);
+    if (!image) throw InputError(name(), file + ": a damaged WebP image");
+    return {image->columns, image->rows, std::move(image->rgba)};
   }
 
   /// Three components in bytes; the largest, which is positive, follows from the length of 1.

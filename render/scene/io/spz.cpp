@@ -3,7 +3,6 @@
 // array each. Version 4 has a header of 32 bytes, a table of the arrays' lengths, and the arrays,
 // each compressed by Zstandard. Records of extensions follow the header of version 4, or the arrays
 // of older versions: type, length and content.
-#include <zstd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include "base/input_error.h"
 #include "render/scene/gaussian_transform.h"
 #include "render/scene/harmonics.h"
+#include "render/scene/io/compression.h"
 #include "render/scene/io/gaussian_formats.h"
 
 namespace foci {
@@ -117,6 +117,9 @@ SpzArrays unpackNew(const FileBytes& file) {
                 .array = {}};
   const auto sizes = all.header.bytes();
   const unsigned expected = all.header.degree > 0 ? kArrays : kArrays - 1;
+  if (!readsCompressed()) {
+    throw InputError(file.name(), "is SPZ of version 4: foci was built without Zstandard");
+  }
   if (all.header.arrays != expected) {
     throw InputError(file.name(), "has " + std::to_string(all.header.arrays) +
                                       " arrays: expected " + std::to_string(expected));
@@ -140,9 +143,7 @@ SpzArrays unpackNew(const FileBytes& file) {
     const auto part = file.part(at, packed);
     at += packed;
     all.array[i].resize(plain);
-    const std::size_t unpacked =
-        ZSTD_decompress(all.array[i].data(), plain, part.data(), part.size());
-    if (ZSTD_isError(unpacked) != 0 || unpacked != plain) {
+    if (!decodeZstd(part, all.array[i])) {
       throw InputError(file.name(), "array " + std::to_string(i + 1) +
                                         " is damaged: no Zstandard stream of its length");
     }

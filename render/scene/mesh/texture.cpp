@@ -4,15 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "base/image_codec.h"
 #include "render/image/srgb.h"
 
 namespace foci {
 namespace {
-
-using Pixel = cv::Vec<std::uint16_t, 4>;
 
 /// The place inside the texture that is shown at `x`, 0 to 1.
 float inside(float x, TextureWrap wrap) {
@@ -26,46 +24,75 @@ int wrapped(int pixel, int count, TextureWrap wrap) {
   return wrap == TextureWrap::repeat ? (pixel + count) % count : std::clamp(pixel, 0, count - 1);
 }
 
+/// The pixels that a pixel of half the size covers, with their shares, which sum to 1.
+struct Span {
+  int first = 0;
+  std::array<float, 3> weight{};
+};
+
+/// Of a row of `count` pixels, halved to (count + 1) / 2.
+std::vector<Span> spansOf(int count) {
+  const int half = (count + 1) / 2;
+  const double width = static_cast<double>(count) / half;
+  std::vector<Span> spans;
+  for (int i = 0; i < half; ++i) {
+    const double from = i * width, to = from + width;
+    Span span{.first = static_cast<int>(from)};
+    for (int k = 0; k < 3; ++k) {
+      const int pixel = span.first + k;
+      const double covered = std::min(to, pixel + 1.0) - std::max(from, static_cast<double>(pixel));
+      if (pixel < count && covered > 1e-9) {
+        span.weight[static_cast<std::size_t>(k)] = static_cast<float>(covered / width);
+      }
+    }
+    spans.push_back(span);
+  }
+  return spans;
+}
+
 }  // namespace
 
-MeshTexture::MeshTexture(const cv::Mat& image) {
-  cv::Mat bgra, eight;
-  image.convertTo(eight, CV_8U, image.depth() == CV_16U ? 1.0 / 257.0 : 1.0);
-  if (eight.channels() == 1) cv::cvtColor(eight, bgra, cv::COLOR_GRAY2BGRA);
-  if (eight.channels() == 3) cv::cvtColor(eight, bgra, cv::COLOR_BGR2BGRA);
-  if (eight.channels() == 4) bgra = eight;
+MeshTexture::Level MeshTexture::halved(const Level& level) {
+  Level half{(level.columns + 1) / 2, (level.rows + 1) / 2, {}};
+  const std::vector<Span> across = spansOf(level.columns), down = spansOf(level.rows);
+  half.pixels.reserve(across.size() * down.size());
+  for (const Span& rows : down) {
+    for (const Span& columns : across) {
+      glm::vec4 mean(0.5f);  // to round
+      for (int y = 0; y < 3; ++y) {
+        for (int x = 0; x < 3; ++x) {
+          const float weight = rows.weight[static_cast<std::size_t>(y)] *
+                               columns.weight[static_cast<std::size_t>(x)];
+          if (weight == 0.0f) continue;
+          const auto& p = level.pixels[static_cast<std::size_t>(rows.first + y) * level.columns +
+                                       columns.first + x];
+          mean += weight * glm::vec4(p[0], p[1], p[2], p[3]);
+        }
+      }
+      half.pixels.push_back({static_cast<std::uint16_t>(mean.x), static_cast<std::uint16_t>(mean.y),
+                             static_cast<std::uint16_t>(mean.z),
+                             static_cast<std::uint16_t>(mean.w)});
+    }
+  }
+  return half;
+}
+
+MeshTexture::MeshTexture(const DecodedImage& image) {
   std::array<std::uint16_t, 256> linear{};
   for (std::size_t i = 0; i < linear.size(); ++i) {
     linear[i] = static_cast<std::uint16_t>(
         std::lround(65535.0f * linearFromSrgb(static_cast<float>(i) / 255.0f)));
   }
-  cv::Mat level(bgra.size(), CV_16UC4);
-  for (int y = 0; y < bgra.rows; ++y) {
-    const auto* from = bgra.ptr<cv::Vec4b>(y);
-    auto* to = level.ptr<Pixel>(y);
-    for (int x = 0; x < bgra.cols; ++x) {
-      to[x] = {linear[from[x][2]], linear[from[x][1]], linear[from[x][0]],
-               static_cast<std::uint16_t>(257 * from[x][3])};
-    }
+  Level level{image.columns, image.rows, {}};
+  level.pixels.reserve(image.total());
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    const std::uint8_t* p = &image.rgba[i];
+    level.pixels.push_back(
+        {linear[p[0]], linear[p[1]], linear[p[2]], static_cast<std::uint16_t>(257 * p[3])});
   }
-  const auto keep = [&] {
-    Level kept{level.cols, level.rows, {}};
-    kept.pixels.reserve(level.total());
-    for (int y = 0; y < level.rows; ++y) {
-      const auto* from = level.ptr<Pixel>(y);
-      for (int x = 0; x < level.cols; ++x) {
-        kept.pixels.push_back({from[x][0], from[x][1], from[x][2], from[x][3]});
-      }
-    }
-    levels_.push_back(std::move(kept));
-  };
-  keep();
-  while (level.cols > 1 || level.rows > 1) {
-    const cv::Size half((level.cols + 1) / 2, (level.rows + 1) / 2);
-    cv::Mat smaller;
-    cv::resize(level, smaller, half, 0.0, 0.0, cv::INTER_AREA);
-    level = smaller;
-    keep();
+  levels_.push_back(std::move(level));
+  while (levels_.back().columns > 1 || levels_.back().rows > 1) {
+    levels_.push_back(halved(levels_.back()));
   }
 }
 

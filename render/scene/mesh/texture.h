@@ -7,19 +7,17 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-namespace cv {
-class Mat;
-}
-
 namespace foci {
+
+struct DecodedImage;
 
 /// What a texture shows beyond its edges, for coordinates outside 0 to 1.
 enum class TextureWrap : std::uint8_t { repeat, clamp, mirror };
 
 class MeshTexture {
  public:
-  /// @param image  8 or 16 bits, 1, 3 or 4 channels in OpenCV's order (BGRA), sRGB; not empty
-  explicit MeshTexture(const cv::Mat& image);
+  /// @param image  sRGB; not empty
+  explicit MeshTexture(const DecodedImage& image);
 
   glm::vec2 size_px() const;
 
@@ -34,6 +32,8 @@ class MeshTexture {
     int columns, rows;
     std::vector<std::array<std::uint16_t, 4>> pixels;  // linear RGBA, row by row
   };
+  static Level halved(const Level& level);
+
   std::vector<Level> levels_;  // each half as large as the one before
 };
 

@@ -3,10 +3,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
 
 #include "base/input_error.h"
 #include "render/image/image_file.h"
 #include "render/image/srgb.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
@@ -79,6 +82,37 @@ TEST(ImageFile, PfmHoldsLinearFloatsBottomRowFirst) {
   EXPECT_FLOAT_EQ(values[2], 6.0f);
   EXPECT_FLOAT_EQ(values[6], 0.1f);
   std::filesystem::remove(file);
+}
+
+// OpenCV reads what foci writes.
+TEST(ImageFile, ExrHoldsLinearFloats) {
+  Frame frame;
+  frame.size_px = {37, 5};
+  std::mt19937 random(3);
+  std::normal_distribution<float> value(0.0f, 2.0f);
+  for (int i = 0; i < 37 * 5; ++i) {
+    const float smooth = 0.01f * static_cast<float>(i / 37);  // rows of noise, and one that packs
+    frame.rgba.emplace_back(i < 74 ? value(random) : smooth, i < 111 ? value(random) : 1.0f, smooth,
+                            1.0f);
+  }
+  const TemporaryFolder folder;
+  const std::string color = (folder.path() / "a.exr").string();
+  const std::string map = (folder.path() / "b.exr").string();
+  writeImage(color, frame);
+  std::vector<float> reds;
+  for (const glm::vec4& rgba : frame.rgba) reds.push_back(rgba.r);
+  writeMap(map, frame.size_px, reds);
+  const cv::Mat bgr = cv::imread(color, cv::IMREAD_UNCHANGED);
+  const cv::Mat grey = cv::imread(map, cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(bgr.size(), cv::Size(37, 5));
+  ASSERT_EQ(bgr.type(), CV_32FC3);
+  ASSERT_EQ(grey.size(), cv::Size(37, 5));
+  ASSERT_EQ(grey.type(), CV_32FC1);
+  for (int i = 0; i < 37 * 5; ++i) {
+    const glm::vec4& rgba = frame.rgba[static_cast<std::size_t>(i)];
+    EXPECT_EQ(bgr.at<cv::Vec3f>(i / 37, i % 37), cv::Vec3f(rgba.b, rgba.g, rgba.r)) << i;
+    EXPECT_EQ(grey.at<float>(i / 37, i % 37), rgba.r) << i;
+  }
 }
 
 TEST(ImageFile, UnknownExtensionIsRefused) {

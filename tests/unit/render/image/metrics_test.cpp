@@ -4,12 +4,15 @@
 
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/quality/qualityssim.hpp>
+#include <random>
 
 namespace foci {
 namespace {
 
 constexpr double kExact = 1e-12;
-constexpr double kFloatSums = 1e-5;  // single-precision sums of OpenCV over some thousand pixels
+constexpr double kFloatSums = 1e-5;                     // single-precision sums over a window
 constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // of SSIM, peak 1
 
 Frame flat(int width, int height, const glm::vec4& rgba) {
@@ -52,6 +55,27 @@ TEST(Psnr, OfAConstantDifferenceIsItsLogarithm) {
   const Frame a = flat(8, 5, {0.5f, 0.25f, 0.0f, 1.0f}), b = flat(8, 5, {0.25f, 0.0f, 0.25f, 0.0f});
   EXPECT_NEAR(psnr_dB(a, b), -10.0 * std::log10(0.0625), kExact);  // alpha does not count
   EXPECT_EQ(psnr_dB(a, a), std::numeric_limits<double>::infinity());
+}
+
+// OpenCV's implementation takes frames of peak 255.
+TEST(Ssim, IsThatOfOpenCv) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> value(0.0f, 1.0f);
+  for (const glm::ivec2 size_px : {glm::ivec2(64, 48), glm::ivec2(7, 5), glm::ivec2(1, 3)}) {
+    Frame a = flat(size_px.x, size_px.y, glm::vec4(1.0f)), b = a;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+      a.rgba[i] = glm::vec4(value(random), value(random), value(random), 1.0f);
+      b.rgba[i] = glm::mix(a.rgba[i], glm::vec4(value(random)), 0.4f);
+    }
+    const auto rgbOf = [](Frame& frame) {
+      cv::Mat rgb;
+      cv::cvtColor(cv::Mat(frame.size_px.y, frame.size_px.x, CV_32FC4, frame.rgba.data()), rgb,
+                   cv::COLOR_RGBA2RGB);
+      return cv::Mat(255.0 * rgb);
+    };
+    const cv::Scalar of = cv::quality::QualitySSIM::compute(rgbOf(a), rgbOf(b), cv::noArray());
+    EXPECT_NEAR(ssim(a, b), (of[0] + of[1] + of[2]) / 3.0, kFloatSums) << size_px.x;
+  }
 }
 
 TEST(Ssim, IsOneForEqualFrames) {

@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/quantile.h"
-#include "render/image/frame_mat.h"
 #include "render/image/metrics.h"
 #include "render/image/visible_difference.h"
 #include "render/methods/lod_splats.h"
@@ -54,8 +53,8 @@ TEST(Acuity, CoarseNodesLookLikeFineOnesThroughIt) {
 
 Frame through(double sigma_px, const Frame& frame) {
   Frame blurred = frame;
-  cv::Mat to = rgbaMat(blurred);
-  cv::GaussianBlur(rgbaMat(frame), to, {}, sigma_px, 0.0, cv::BORDER_REPLICATE);
+  cv::Mat to(frame.size_px.y, frame.size_px.x, CV_32FC4, blurred.rgba.data());
+  cv::GaussianBlur(to, to, {}, sigma_px, 0.0, cv::BORDER_REPLICATE);
   return blurred;
 }
 

@@ -1,5 +1,8 @@
-// EXT_meshopt_compression, appendices A and B; KHR_draco_mesh_compression (Khronos).
-#include "render/scene/io/gltf_compression.h"
+// EXT_meshopt_compression, appendices A and B; KHR_draco_mesh_compression (Khronos); Zstandard (RFC
+// 8878).
+#include "render/scene/io/compression.h"
+
+#ifdef FOCI_COMPRESSION
 
 // Draco's headers compare signs and shadow names.
 #pragma GCC diagnostic push
@@ -11,10 +14,18 @@
 #include <draco/compression/decode.h>
 #pragma GCC diagnostic pop
 #include <meshoptimizer.h>
+#include <zstd.h>
 
 #include <utility>
 
 namespace foci {
+
+bool readsCompressed() { return true; }
+
+bool decodeZstd(std::span<const unsigned char> bytes, std::span<unsigned char> out) {
+  const std::size_t unpacked = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
+  return ZSTD_isError(unpacked) == 0 && unpacked == out.size();
+}
 
 bool decodeMeshopt(const MeshoptView& view, std::span<const unsigned char> bytes,
                    std::span<unsigned char> out) {
@@ -78,3 +89,24 @@ std::optional<DracoPrimitive> decodeDraco(std::span<const unsigned char> bytes,
 }
 
 }  // namespace foci
+
+#else
+
+namespace foci {
+
+bool readsCompressed() { return false; }
+
+bool decodeZstd(std::span<const unsigned char>, std::span<unsigned char>) { return false; }
+
+bool decodeMeshopt(const MeshoptView&, std::span<const unsigned char>, std::span<unsigned char>) {
+  return false;
+}
+
+std::optional<DracoPrimitive> decodeDraco(std::span<const unsigned char>,
+                                          const std::map<std::string, std::uint32_t>&) {
+  return std::nullopt;
+}
+
+}  // namespace foci
+
+#endif

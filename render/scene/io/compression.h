@@ -1,4 +1,4 @@
-// Unpacks the compressed parts of a glTF. Private to the readers of glTF.
+// Unpacks the compressed parts of a glTF, and Zstandard. Private to the readers of scenes.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,13 @@
 #include <vector>
 
 namespace foci {
+
+/// Whether foci was built with Draco, meshoptimizer, Zstandard and WebP. Else the functions below
+/// fail.
+bool readsCompressed();
+
+/// @return whether the bytes are a stream that fills `out`
+bool decodeZstd(std::span<const unsigned char> bytes, std::span<unsigned char> out);
 
 /// What EXT_meshopt_compression says of a view.
 struct MeshoptView {

@@ -1,0 +1,38 @@
+// PNG and JPEG files in memory, and the reading of WebP.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/image_header.h"
+
+namespace foci {
+
+/// 8 bits a channel, R, G, B and alpha (255 if the file has none), in rows from the top.
+struct DecodedImage {
+  int columns = 0, rows = 0;
+  std::vector<std::uint8_t> rgba{};
+
+  std::size_t total() const { return static_cast<std::size_t>(columns) * rows; }
+};
+
+/// Decodes a PNG (16 bits are rounded to 8, gamma and colour profile do not count), a JPEG or a
+/// WebP. The last two only where foci was built with them.
+/// @return nothing for another format, broken bytes, or an image of more than `max_pixels`
+std::optional<DecodedImage> decodeImage(std::span<const unsigned char> bytes,
+                                        std::uint64_t max_pixels = kMaxImagePixels);
+
+/// A PNG file of 8 bits a channel.
+/// @param channels  1 (grey) or 3 (RGB)
+std::vector<std::uint8_t> encodePng(int columns, int rows, int channels,
+                                    const std::uint8_t* pixels);
+
+/// A JPEG file of RGB.
+/// @param quality  1 to 100
+/// @throws std::runtime_error where foci was built without JPEG
+std::vector<std::uint8_t> encodeJpeg(int columns, int rows, const std::uint8_t* rgb, int quality);
+
+}  // namespace foci
