@@ -59,7 +59,7 @@ def check_subproject(cmake, cxx, folder):
     absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON" for package in ("glfw3", "CLI11", "GTest", "benchmark")]
     run(cmake, "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={cxx}", *absent)
     run("ninja", "-C", folder / "build", "CMakeFiles/embeds.dir/main.cpp.o", "foci/libfoci_base.a")
-    libraries = run("ninja", "-C", folder / "build", "-n", "-v", "embeds")
+    libraries = run("ninja", "-C", folder / "build", "-t", "commands", "embeds")
     for absent in ("libzmq", "libglfw", "imgui", "-Werror"):
         expect(absent not in libraries, f"a project that adds foci gets {absent}")
 
@@ -78,7 +78,7 @@ def check_render_alone(cmake, cxx, folder):
     sources = ("CMakeFiles/foci_base.dir/base/image_codec.cpp.o", "render/CMakeFiles/foci_render.dir/scene/io/compression.cpp.o",
                "render/CMakeFiles/foci_render.dir/scene/io/mesh_textures.cpp.o")
     run("ninja", "-C", folder / "build", "CMakeFiles/embeds.dir/main.cpp.o", *(f"foci/{source}" for source in sources))
-    commands = run("ninja", "-C", folder / "build", "-n", "-v", "embeds")
+    commands = run("ninja", "-C", folder / "build", "-t", "commands", "embeds")
     expect("-o embeds" in commands and "libpng" in commands, commands)
     for absent in ("opencv", "ceres", "embree", "draco", "turbojpeg", "webp", "zstd"):
         expect(absent not in commands, f"foci::render alone needs {absent}")
