@@ -16,6 +16,10 @@ constexpr double kNoise_s = 3.0;  // the noise is that of so long a time before
 // sample. At higher rates the path through the whole recording ends oscillations earlier than some
 // coders do, so that pictures left out agree less.
 constexpr double kHindsightBelow_Hz = 150.0;
+// What coders do not label. The values are those of sets left out. A movement is given up for
+// `kPreferStable_s` more evidence (`viterbi.h`) than stable gaze.
+constexpr double kMinStable_s = 0.04, kPreferStable_s = 0.01;
+constexpr double kMinPursuit_s = 0.3;         // with the saccades that catch up with the target
 constexpr double kPriorPursuit = 0.3;         // where gaze is stable for too few samples
 constexpr double kMinOscillation_Hz = 100.0;  // below, an oscillation has two samples at most
 
@@ -221,6 +225,7 @@ class WholeRecording {
     path.restartIn(0);
     split(Motion::moving, {}, path, oscillation_, {GazeState::saccade, GazeState::oscillation},
           states);
+    giveLidsToBlinks(states);
     if (settings_.pursuit.value_or(true)) labelPursuit(states, pursuit, take_pursuit);
     std::vector<SampleLabel> labels;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -232,18 +237,13 @@ class WholeRecording {
 
   /// Calls `take` for each sample of stable gaze whose pursuit can be judged.
   void forStableGaze(const TakePursuit& take) const {
-    std::vector<std::pair<std::size_t, std::size_t>> spans;  // [first, end)
-    for (std::size_t i = 0; i < count_; ++i) {
-      if (motion_[i] != indexOf(Motion::stable)) continue;
-      const bool follows = i > 0 && motion_[i - 1] == motion_[i] && !isBroken(i);
-      if (!follows) spans.emplace_back(i, i);
-      spans.back().second = i + 1;
-    }
+    std::vector<Run> spans = runsOfMotion();
+    std::erase_if(spans, [](const Run& run) { return run.motion != indexOf(Motion::stable); });
     std::vector<DriftLine> lines;
     std::vector<std::size_t> of_line;
     for (std::size_t s = 0; s < spans.size(); ++s) {
       DriftLine line;
-      for (std::size_t i = spans[s].first; i < spans[s].second; ++i) {
+      for (std::size_t i = spans[s].first; i < spans[s].end; ++i) {
         if (sights_[i].direction) line.add(sights_[i].time_s, *sights_[i].direction);
       }
       if (line.count() < 3.0) continue;
@@ -258,7 +258,7 @@ class WholeRecording {
       return apart_s <= kNeighbour_s ? &lines[b] : nullptr;
     };
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      const auto [first, end] = spans[of_line[k]];
+      const std::size_t first = spans[of_line[k]].first, end = spans[of_line[k]].end;
       StableContext context{.whole = &lines[k], .near = {}, .centred = true};
       context.before = neighbour(k, k - 1);
       if (context.before) context.before_that = neighbour(k - 1, k - 2);
@@ -351,11 +351,92 @@ class WholeRecording {
       path.push(probabilities_[i], step_s(i));
       motion_.push_back(path.bestState());
     }
-    if (trace_.rate_Hz >= kHindsightBelow_Hz) return;
-    const auto whole = mostLikelyStates(ViterbiPath<3>(model_.motion_switch_s), evidence);
+    if (trace_.rate_Hz < kHindsightBelow_Hz) {
+      const auto whole = mostLikelyStates(ViterbiPath<3>(model_.motion_switch_s), evidence);
+      for (std::size_t i = 0; i < count_; ++i) {
+        const auto stable = indexOf(Motion::stable), moving = indexOf(Motion::moving);
+        if (motion_[i] == stable && whole[i] == moving) motion_[i] = moving;
+      }
+    }
+    removeShortStable();
+  }
+
+  /// Samples [first, end) with one motion and no break.
+  struct Run {
+    std::size_t first = 0, end = 0;
+    std::size_t motion = 0;
+  };
+
+  std::vector<Run> runsOfMotion() const {
+    std::vector<Run> runs;
     for (std::size_t i = 0; i < count_; ++i) {
-      const auto stable = indexOf(Motion::stable), moving = indexOf(Motion::moving);
-      if (motion_[i] == stable && whole[i] == moving) motion_[i] = moving;
+      if (i == 0 || motion_[i] != motion_[i - 1] || isBroken(i)) runs.push_back({i, i, motion_[i]});
+      runs.back().end = i + 1;
+    }
+    return runs;
+  }
+
+  /// Gaze does not rest for less than `kMinStable_s`. Either the rest belongs to what is before or
+  /// after it, or one of these, if another rest is beyond it, is a rest too: whichever has the
+  /// least evidence against it.
+  void removeShortStable() {
+    constexpr double kLeast = 1e-4;  // as in `viterbi.h`
+    constexpr auto kStable = static_cast<std::size_t>(Motion::stable);
+    std::vector<std::array<double, 3>> sums_s = {{}};  // of log probabilities up to each sample
+    for (std::size_t i = 0; i < count_; ++i) {
+      sums_s.push_back(sums_s.back());
+      for (std::size_t k = 0; k < 3; ++k) {
+        sums_s.back()[k] += step_s(i) * std::log(probabilities_[i][k] + kLeast);
+      }
+    }
+    const auto evidence_s = [&](const Run& run, std::size_t other) {
+      const auto &from = sums_s[run.first], &until = sums_s[run.end];
+      return until[run.motion] - from[run.motion] - (until[other] - from[other]);
+    };
+    std::vector<Run> done;
+    const auto add = [&](const Run& run) {
+      if (!done.empty() && done.back().motion == run.motion && !isBroken(run.first)) {
+        done.back().end = run.end;
+      } else {
+        done.push_back(run);
+      }
+    };
+    const std::vector<Run> runs = runsOfMotion();
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      add(runs[r]);
+      if (done.size() < 3) continue;
+      const Run before = done[done.size() - 3], rest = done[done.size() - 2], after = done.back();
+      const double duration_s = static_cast<double>(rest.end - rest.first) / trace_.rate_Hz;
+      if (rest.motion != kStable || duration_s >= kMinStable_s || isBroken(rest.first) ||
+          isBroken(rest.end)) {
+        continue;
+      }
+      std::array<std::size_t, 3> motions = {before.motion, before.motion, after.motion};
+      double least_s = evidence_s(rest, before.motion);
+      const auto consider = [&](double against_s, const std::array<std::size_t, 3>& changed) {
+        if (against_s >= least_s) return;
+        least_s = against_s;
+        motions = changed;
+      };
+      consider(evidence_s(rest, after.motion), {before.motion, after.motion, after.motion});
+      const bool follows_rest =
+          done.size() > 3 && done[done.size() - 4].motion == kStable && !isBroken(before.first);
+      const bool precedes_rest =
+          r + 1 < runs.size() && runs[r + 1].motion == kStable && !isBroken(after.end);
+      if (follows_rest) {
+        consider(evidence_s(before, kStable) - kPreferStable_s, {kStable, kStable, after.motion});
+      }
+      if (precedes_rest) {
+        consider(evidence_s(after, kStable) - kPreferStable_s, {before.motion, kStable, kStable});
+      }
+      done.resize(done.size() - 3);
+      add({before.first, before.end, motions[0]});
+      add({rest.first, rest.end, motions[1]});
+      add({after.first, after.end, motions[2]});
+    }
+    for (const Run& run : done) {
+      std::fill(motion_.begin() + static_cast<std::ptrdiff_t>(run.first),
+                motion_.begin() + static_cast<std::ptrdiff_t>(run.end), run.motion);
     }
   }
 
@@ -379,6 +460,20 @@ class WholeRecording {
     }
   }
 
+  /// What moves right before or after a blink is the lid.
+  void giveLidsToBlinks(std::vector<GazeState>& states) {
+    for (const Run& run : runsOfMotion()) {
+      const bool lid = (run.first > 0 && states[run.first - 1] == GazeState::blink) ||
+                       (run.end < count_ && states[run.end] == GazeState::blink);
+      if (run.motion != indexOf(Motion::moving) || !lid) continue;
+      for (std::size_t i = run.first; i < run.end; ++i) {
+        states[i] = GazeState::blink;
+        std::array<double, 3>& p = probabilities_[i];
+        p = {p[0], 0.0, p[1] + p[2]};
+      }
+    }
+  }
+
   void labelPursuit(std::vector<GazeState>& states, std::vector<double>& pursuit,
                     const TakePursuit& take_pursuit) const {
     for (std::size_t i = 0; i < count_; ++i) {
@@ -390,6 +485,24 @@ class WholeRecording {
     });
     split(Motion::stable, Motion::moving, ViterbiPath<2>(model_.pursuit_switch_s), pursuit,
           {GazeState::fixation, GazeState::pursuit}, states);
+    removeShortPursuit(states);
+  }
+
+  void removeShortPursuit(std::vector<GazeState>& states) const {
+    std::vector<std::size_t> pursued;
+    double duration_s = 0.0;
+    for (std::size_t i = 0; i <= count_; ++i) {
+      if (i < count_ && states[i] == GazeState::pursuit) {
+        pursued.push_back(i);
+        duration_s += step_s(i);
+      } else if (i == count_ || motion_[i] != indexOf(Motion::moving)) {
+        for (std::size_t j : pursued) {
+          if (duration_s < kMinPursuit_s) states[j] = GazeState::fixation;
+        }
+        pursued.clear();
+        duration_s = 0.0;
+      }
+    }
   }
 
   const GazeTrace& trace_;
