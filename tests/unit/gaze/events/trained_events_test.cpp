@@ -203,7 +203,8 @@ TEST(LabelEvents, DoNotDependOnTheLengthOfAPause) {
 }
 
 // At high rates, offline labels tell stable gaze as online labels do, which no set left out
-// contradicts. Data loss is known as a whole offline.
+// contradicts, but for short rests and what lies beside them. Data loss is known as a whole
+// offline.
 TEST(LabelEvents, TellStableGazeOfFastTrackersAlikeOfflineAndOnline) {
   const GazeTrace trace =
       simulateGaze(walk(), kScreen, 500, 5, {.noise_deg = 0.1, .blink_rate_Hz = 0.0}).trace;
@@ -215,6 +216,74 @@ TEST(LabelEvents, TellStableGazeOfFastTrackersAlikeOfflineAndOnline) {
     saccades += offline[i].state == GazeState::saccade ? 1 : 0;
   }
   EXPECT_GT(saccades, 100);
+}
+
+// Noise splits movements and rests at any rate; coders label no rest as short.
+TEST(LabelTrained, KnowsNoRestBelow40Milliseconds) {
+  int rests = 0;
+  for (const double rate_Hz : {60.0, 120.0, 250.0, 1000.0}) {
+    for (const double noise_deg : {0.1, 0.5, 1.0}) {
+      const GazeTrace trace =
+          simulateGaze(walk(), kScreen, rate_Hz, 7, {.noise_deg = noise_deg, .blink_rate_Hz = 0.3})
+              .trace;
+      const auto labels = labelTrained(trace, kScreen, {}, builtinEventModel());
+      for (std::size_t i = 0; i < labels.size();) {
+        std::size_t end = i + 1;
+        const bool rest = isStable(labels[i].state);
+        while (end < labels.size() && isStable(labels[end].state) == rest) ++end;
+        if (rest && i > 0 && end < labels.size()) {
+          ++rests;
+          EXPECT_GE(static_cast<double>(end - i) / rate_Hz, 0.04) << rate_Hz << " Hz " << i;
+        }
+        i = end;
+      }
+    }
+  }
+  EXPECT_GT(rests, 100);
+}
+
+// A lid moves the pupil's image as it closes and opens.
+TEST(LabelTrained, GivesMovementBesideABlinkToTheBlink) {
+  SimulatedGaze gaze =
+      simulateGaze(walk(), kScreen, 500, 9, {.noise_deg = 0.1, .blink_rate_Hz = 0.0});
+  auto& samples = gaze.trace.samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double t_s = samples[i].time_s - 3.3;  // of 0.15 s, with lids of 0.03 s on both sides
+    if (t_s < -0.03 || t_s > 0.18 || !samples[i].point_px) continue;
+    const double closed = t_s < 0.0    ? 1.0 + t_s / 0.03
+                          : t_s > 0.15 ? 1.0 - (t_s - 0.15) / 0.03
+                                       : 1.0;
+    samples[i].point_px->y += 300.0 * closed;
+    if (closed == 1.0) samples[i].point_px.reset();
+  }
+  const auto labels = labelTrained(gaze.trace, kScreen, {}, builtinEventModel());
+  int blinks = 0;
+  for (std::size_t i = 1; i < labels.size(); ++i) {
+    blinks += labels[i].state == GazeState::blink ? 1 : 0;
+    const bool beside =
+        (labels[i].state == GazeState::blink) != (labels[i - 1].state == GazeState::blink);
+    if (beside) EXPECT_TRUE(isStable(labels[i].state) || isStable(labels[i - 1].state)) << i;
+    double sum = 0.0;
+    for (const double each : labels[i].probabilities) sum += each;
+    EXPECT_NEAR(sum, 1.0, 1e-9) << i;
+  }
+  EXPECT_GT(blinks, 80);
+}
+
+// What follows a target for so short a time is a drift, unless it goes on behind a saccade.
+TEST(LabelTrained, KnowsNoPursuitBelow300Milliseconds) {
+  const GazeTrace trace =
+      simulateGaze(walk(), kScreen, 250, 11, {.noise_deg = 0.4, .blink_rate_Hz = 0.2}).trace;
+  const auto labels = labelTrained(trace, kScreen, {}, builtinEventModel());
+  double duration_s = 0.0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i].state == GazeState::pursuit) {
+      duration_s += 1.0 / trace.rate_Hz;
+    } else if (labels[i].state != GazeState::saccade && labels[i].state != GazeState::oscillation) {
+      EXPECT_TRUE(duration_s == 0.0 || duration_s > 0.299) << i;
+      duration_s = 0.0;
+    }
+  }
 }
 
 // The same with doubts about the signal, by any detector.
