@@ -262,7 +262,7 @@ TEST(LabelTrained, GivesMovementBesideABlinkToTheBlink) {
     blinks += labels[i].state == GazeState::blink ? 1 : 0;
     const bool beside =
         (labels[i].state == GazeState::blink) != (labels[i - 1].state == GazeState::blink);
-    if (beside) EXPECT_TRUE(isStable(labels[i].state) || isStable(labels[i - 1].state)) << i;
+    EXPECT_TRUE(!beside || isStable(labels[i].state) || isStable(labels[i - 1].state)) << i;
     double sum = 0.0;
     for (const double each : labels[i].probabilities) sum += each;
     EXPECT_NEAR(sum, 1.0, 1e-9) << i;
