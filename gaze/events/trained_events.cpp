@@ -14,11 +14,12 @@ namespace {
 constexpr double kNoise_s = 3.0;  // the noise is that of so long a time before
 // Offline, slower trackers are judged in hindsight too: the path so far misses a saccade of one
 // sample. At higher rates the path through the whole recording ends oscillations earlier than some
-// coders do, so that pictures left out agree less.
-constexpr double kHindsightBelow_Hz = 150.0;
-// What coders do not label. The values are those of sets left out. A movement is given up for
-// `kPreferStable_s` more evidence (`viterbi.h`) than stable gaze.
-constexpr double kMinStable_s = 0.04, kPreferStable_s = 0.01;
+// coders do, so that GazeCom and pictures left out agree less.
+constexpr double kHindsightBelow_Hz = 225.0;
+// What coders do not label. The values are those of sets left out. Evidence is that of `viterbi.h`:
+// a shorter rest is given up where less than `kSureStable_s` is for it. A movement is given up for
+// `kPreferStable_s` more than a rest.
+constexpr double kMinStable_s = 0.04, kSureStable_s = 0.005, kPreferStable_s = 0.02;
 constexpr double kMinPursuit_s = 0.3;         // with the saccades that catch up with the target
 constexpr double kPriorPursuit = 0.3;         // where gaze is stable for too few samples
 constexpr double kMinOscillation_Hz = 100.0;  // below, an oscillation has two samples at most
@@ -376,9 +377,9 @@ class WholeRecording {
     return runs;
   }
 
-  /// Gaze does not rest for less than `kMinStable_s`. Either the rest belongs to what is before or
-  /// after it, or one of these, if another rest is beyond it, is a rest too: whichever has the
-  /// least evidence against it.
+  /// Gaze hardly rests for less than `kMinStable_s`. Either the rest belongs to what is before or
+  /// after it, unless the trees are sure of it, or one of these, if another rest is beyond it, is a
+  /// rest too: whichever has the least evidence against it.
   void removeShortStable() {
     constexpr double kLeast = 1e-4;  // as in `viterbi.h`
     constexpr auto kStable = static_cast<std::size_t>(Motion::stable);
@@ -429,6 +430,7 @@ class WholeRecording {
       if (precedes_rest) {
         consider(evidence_s(after, kStable) - kPreferStable_s, {before.motion, kStable, kStable});
       }
+      if (motions[1] != kStable && least_s >= kSureStable_s) continue;
       done.resize(done.size() - 3);
       add({before.first, before.end, motions[0]});
       add({rest.first, rest.end, motions[1]});
