@@ -166,7 +166,8 @@ void detectEvents(const EventsOptions& options) {
   for (const std::string& warning : eventWarnings(trace, labels, quality, settings)) {
     warnings.add(options.traces[0], warning);
   }
-  if (!options.out.empty()) files.write(options.out, eventTable(events, settings.detector));
+  if (!options.out.empty())
+    files.write(options.out, eventTable(events, trace.trials, settings.detector));
   if (!options.samples.empty()) {
     files.write(options.samples, sampleTable(trace, labels, settings.detector));
   }

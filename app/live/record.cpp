@@ -276,7 +276,7 @@ void LiveRecord::finish() {
     events = std::move(judged.events);
   }
   facts.warnings = warnings_.all();
-  writeText(folder_ / "events.tsv", eventTable(events, study.gaze.events.detector));
+  writeText(folder_ / "events.tsv", eventTable(events, {}, study.gaze.events.detector));
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
   facts.gaze.reception = reception_;
   facts.frames_sha256 = hash_.hex();

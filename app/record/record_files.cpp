@@ -130,10 +130,10 @@ std::vector<Change> readChanges(const std::filesystem::path& file) {
   return changes;
 }
 
-std::vector<EventMarker> readEventMarkers(const std::filesystem::path& file) {
+std::vector<TraceMarker> readEventMarkers(const std::filesystem::path& file) {
   LineReader lines(file);
   std::string_view line;
-  std::vector<EventMarker> markers;
+  std::vector<TraceMarker> markers;
   bool broken = false;
   for (bool header = true; lines.next(line); header = false) {
     if (header || line.empty()) continue;
@@ -145,7 +145,7 @@ std::vector<EventMarker> readEventMarkers(const std::filesystem::path& file) {
                        std::string(line.substr(tab + 1))});
   }
   std::stable_sort(markers.begin(), markers.end(),
-                   [](const EventMarker& a, const EventMarker& b) { return a.time_s < b.time_s; });
+                   [](const TraceMarker& a, const TraceMarker& b) { return a.time_s < b.time_s; });
   return markers;
 }
 

@@ -54,15 +54,9 @@ double meanRate_Hz(std::size_t frames, double span_s, double otherwise);
 std::string changesHeader();
 std::string changeRow(const Change& change);
 
-/// What the experimenter marked during a run: by a key, or from a script.
-struct EventMarker {
-  double time_s = 0.0;
-  std::string text;
-};
-
 /// event_markers.tsv: a header line, then `time<tab>text`.
 /// @return in order of time @throws InputError
-std::vector<EventMarker> readEventMarkers(const std::filesystem::path& file);
+std::vector<TraceMarker> readEventMarkers(const std::filesystem::path& file);
 
 /// @return in order of time
 /// @throws InputError, also for keys that do not change while a session runs

@@ -1,12 +1,14 @@
 #include "app/record/tables.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "gaze/sources/trials.h"
 
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace foci {
 namespace {
@@ -42,13 +44,14 @@ std::string poseFields(const FrameRecord& record) {
 
 }  // namespace
 
-FrameTable::FrameTable(const std::filesystem::path& file)
-    : file_(file.string()), out_(file, std::ios::binary) {
-  out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\tsurface_distance_m\t"
+FrameTable::FrameTable(const std::filesystem::path& file, std::vector<TraceTrial> trials)
+    : file_(file.string()), out_(file, std::ios::binary), trials_(std::move(trials)) {
+  out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\t"
+          "surface_distance_m\t"
           "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\t"
           "tolerance_met\tquality_level\tvergence_D\t"
           "vergence_error_D\tvergence_disagrees\teye_x_m\teye_y_m\teye_z_m\teye_qx\t"
-          "eye_qy\teye_qz\teye_qw\trender_ms\n";
+          "eye_qy\teye_qz\teye_qw\ttrial\trender_ms\n";
 }
 
 void FrameTable::add(std::size_t frame, const FrameRecord& record) {
@@ -63,8 +66,8 @@ void FrameTable::add(std::size_t frame, const FrameRecord& record) {
        << orAbsent(record.stats.tolerance_error, 2) << '\t'
        << (record.stats.tolerance_met ? *record.stats.tolerance_met ? "1" : "0" : "n/a") << '\t'
        << (record.stats.quality_level ? textOf(*record.stats.quality_level) : "n/a") << '\t'
-       << vergenceFields(eye) << '\t' << poseFields(record) << '\t' << decimal(record.stats.ms, 3)
-       << '\n';
+       << vergenceFields(eye) << '\t' << poseFields(record) << '\t'
+       << trialAt(trials_, record.time_s) << '\t' << decimal(record.stats.ms, 3) << '\n';
   if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 
@@ -73,18 +76,19 @@ void FrameTable::finish() {
   if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 
-std::string eventTable(const std::vector<GazeEvent>& events, std::optional<Detector> detector) {
+std::string eventTable(const std::vector<GazeEvent>& events, const std::vector<TraceTrial>& trials,
+                       std::optional<Detector> detector) {
   std::string table =
       "event\tonset_s\tduration_s\tx_px\ty_px\tstart_x_px\tstart_y_px\tamplitude_deg\t"
       "peak_velocity_deg_s";
-  table += detector ? "\tprobability\tdetector\n" : "\n";
+  table += detector ? "\tprobability\tdetector\ttrial\n" : "\ttrial\n";
   for (const GazeEvent& event : events) {
     table += std::string(nameOf(event.kind)) + '\t' + decimal(event.onset_s, kTimeDigits) + '\t' +
              decimal(event.duration_s, kTimeDigits) + '\t' + pointOrAbsent(event.position_px) +
              '\t' + pointOrAbsent(event.start_px) + '\t' + orAbsent(event.amplitude_deg, 3) + '\t' +
              orAbsent(event.peak_velocity_deg_s, 1);
     if (detector) table += '\t' + orAbsent(event.probability, 3) + '\t' + labelOf(*detector);
-    table += '\n';
+    table += '\t' + trialAt(trials, event.onset_s) + '\n';
   }
   return table;
 }

@@ -15,7 +15,8 @@ namespace foci {
 /// frames.tsv, row by row; `n/a` where a value is absent.
 class FrameTable {
  public:
-  explicit FrameTable(const std::filesystem::path& file);
+  /// @param trials  for the column trial, in order of their beginnings
+  explicit FrameTable(const std::filesystem::path& file, std::vector<TraceTrial> trials = {});
 
   /// @throws std::runtime_error where the file cannot be written
   void add(std::size_t frame, const FrameRecord& record);
@@ -25,12 +26,14 @@ class FrameTable {
  private:
   std::string file_;
   std::ofstream out_;
+  std::vector<TraceTrial> trials_;
 };
 
 /// events.tsv.
 /// @param events    with points on the screen of the images, px
+/// @param trials    in order of their beginnings
 /// @param detector  adds the columns probability and detector
-std::string eventTable(const std::vector<GazeEvent>& events,
+std::string eventTable(const std::vector<GazeEvent>& events, const std::vector<TraceTrial>& trials,
                        std::optional<Detector> detector = std::nullopt);
 
 }  // namespace foci

@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "app/replay/fixation_tables.h"
 #include "base/input_error.h"
 #include "gaze/sources/rows.h"
 
 namespace foci {
 namespace {
-
-constexpr double kArcminPerRad = 60.0 * 180.0 / glm::pi<double>();
 
 std::vector<Image> picturesOf(const std::filesystem::path& video, std::size_t frames) {
   std::vector<Image> pictures;
@@ -98,7 +96,7 @@ ComparedRun readRun(const std::filesystem::path& folder) {
   const std::size_t object = objects.column("object"), dwell = objects.column("dwell_s");
   objects.withoutComments();  // an object may be named #1
   while (objects.next()) {
-    run.dwell_s[std::string(objects.text(object))] = objects.needed(dwell);
+    run.dwell_s[std::string(objects.text(object))] += objects.needed(dwell);
   }
   run.pictures = picturesOf(folder / "video.mp4", run.frames.size());
   return run;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "app/platform/progress.h"
@@ -11,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/sources/trials.h"
 #include "render/lod/surface_query.h"
 
 namespace foci {
@@ -109,7 +111,10 @@ std::vector<SightSample> samplesOf(const ReplayedGaze& gaze, const std::vector<G
   std::vector<SightSample> samples;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].time_s < gaze.schedule.first_s || all[i].time_s > end_s) continue;
-    SightSample sample{.time_s = all[i].time_s, .state = states[i]};
+    SightSample sample{.time_s = all[i].time_s,
+                       .state = states[i],
+                       .pupil_mm = all[i].pupil_mm,
+                       .pupil_own = ownPupilOf(all[i])};
     sample.lasts_s = i + 1 < all.size() ? std::min(all[i + 1].time_s - all[i].time_s, most_s)
                                         : most_s / kMaxIntervals;
     samples.push_back(sample);
@@ -124,17 +129,22 @@ SightFixation fixationOf(const GazeEvent& event, std::span<SightSample> samples,
   std::vector<double> on_object_s(objects, 0.0);
   double gaze_s = 0.0, met_s = 0.0;
   SightHit mean;
+  glm::dvec3 sight{0.0};
   for (const SightSample& sample : samplesDuring(event, samples)) {
     if (!sample.valid) continue;
     gaze_s += sample.lasts_s;
+    sight += sample.lasts_s * sample.direction;
     if (!sample.hit) continue;
     met_s += sample.lasts_s;
     mean.point_m += sample.lasts_s * sample.hit->point_m;
     mean.distance_m += sample.lasts_s * sample.hit->distance_m;
+    fixation.surface_D += sample.lasts_s / sample.hit->distance_m;
     mean.normal += sample.lasts_s * sample.hit->normal;
     on_object_s[sample.hit->object] += sample.lasts_s;
   }
+  if (glm::length(sight) > 0.0) fixation.direction = glm::normalize(sight);
   if (!(met_s > 0.0)) return fixation;
+  fixation.surface_D /= met_s;
   mean.point_m /= met_s;
   mean.distance_m /= met_s;
   if (mean.normal != glm::dvec3(0.0)) mean.normal = glm::normalize(mean.normal);
@@ -153,44 +163,71 @@ glm::dvec3 upOf(const Study& study, const std::vector<SightSample>& samples) {
   return glm::normalize(up);
 }
 
-void addLooks(GazeInScene& gaze) {
-  std::vector<double> distance_s(gaze.objects.size(), 0.0);
-  for (const SightSample& sample : gaze.samples) {
-    if (!sample.hit) continue;
-    gaze.objects[sample.hit->object].dwell_s += sample.lasts_s;
-    distance_s[sample.hit->object] += sample.lasts_s * sample.hit->distance_m;
+/// How objects are looked at, from samples and fixations in order of time.
+class Looks {
+ public:
+  /// @param named  the objects without looks
+  explicit Looks(const std::vector<ObjectLooks>& named)
+      : objects_(named), distance_s_(named.size(), 0.0) {}
+
+  void add(const SightSample& sample) {
+    if (!sample.hit) return;
+    objects_[sample.hit->object].dwell_s += sample.lasts_s;
+    distance_s_[sample.hit->object] += sample.lasts_s * sample.hit->distance_m;
   }
-  for (std::size_t i = 0; i < gaze.objects.size(); ++i) {
-    ObjectLooks& object = gaze.objects[i];
-    if (object.dwell_s > 0.0) object.mean_distance_m = distance_s[i] / object.dwell_s;
-  }
-  std::optional<std::size_t> last;
-  for (const SightFixation& fixation : gaze.fixations) {
+
+  void add(const SightFixation& fixation) {
     if (!fixation.hit) {
-      last.reset();
-      continue;
+      last_.reset();
+      return;
     }
-    ObjectLooks& object = gaze.objects[fixation.hit->object];
+    ObjectLooks& object = objects_[fixation.hit->object];
     if (!object.first_look_s) object.first_look_s = fixation.onset_s;
     ++object.fixations;
-    object.visits += last != fixation.hit->object;
-    last = fixation.hit->object;
+    object.visits += last_ != fixation.hit->object;
+    last_ = fixation.hit->object;
   }
-}
 
-std::string vectorText(const glm::dvec3& v, int digits) {
-  return decimal(v.x, digits) + '\t' + decimal(v.y, digits) + '\t' + decimal(v.z, digits);
-}
+  std::vector<ObjectLooks> finish() {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      ObjectLooks& object = objects_[i];
+      if (object.dwell_s > 0.0) object.mean_distance_m = distance_s_[i] / object.dwell_s;
+    }
+    return std::move(objects_);
+  }
+
+ private:
+  std::vector<ObjectLooks> objects_;
+  std::vector<double> distance_s_;
+  std::optional<std::size_t> last_{};
+};
 
 std::string normalText(const glm::dvec3& normal) {
   return normal == glm::dvec3(0.0) ? "n/a\tn/a\tn/a" : vectorText(normal, 4);
 }
 
-std::string nameText(const GazeInScene& gaze, const SightHit& hit) {
-  return hit.object == 0 ? "n/a" : visible(gaze.objects[hit.object].name);
+}  // namespace
+
+std::string vectorText(const glm::dvec3& v, int digits) {
+  return decimal(v.x, digits) + '\t' + decimal(v.y, digits) + '\t' + decimal(v.z, digits);
 }
 
-}  // namespace
+std::optional<double> ownPupilOf(const GazeSample& sample) {
+  const auto &left = sample.eyes[0].pupil_own, &right = sample.eyes[1].pupil_own;
+  if (sample.pupil_own) return sample.pupil_own;
+  if (left && right) return 0.5 * (*left + *right);
+  return left ? left : right;
+}
+
+std::string pupilText(const std::optional<double>& pupil_mm, const std::optional<double>& pupil_own,
+                      const std::string& own_unit) {
+  if (pupil_mm) return decimal(*pupil_mm, 3) + "\tmm";
+  return pupil_own ? decimal(*pupil_own, 3) + '\t' + own_unit : "n/a\tn/a";
+}
+
+std::string objectText(const GazeInScene& gaze, const std::optional<SightHit>& hit) {
+  return !hit || hit->object == 0 ? "n/a" : visible(gaze.objects[hit->object].name);
+}
 
 bool NamedShape::holds(const glm::dvec3& point_m) const {
   if (radius_m) return glm::distance(point_m, center_m) <= *radius_m;
@@ -244,55 +281,64 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
     if (event.kind != GazeState::fixation) continue;
     found.fixations.push_back(fixationOf(event, found.samples, found.objects.size()));
   }
-  addLooks(found);
+  Looks looks(found.objects);
+  for (const SightSample& sample : found.samples) looks.add(sample);
+  for (const SightFixation& fixation : found.fixations) looks.add(fixation);
+  found.objects = looks.finish();
   found.up = upOf(study, found.samples);
   return found;
 }
 
-std::string sightTable(const GazeInScene& gaze) {
+std::string sightTable(const GazeInScene& gaze, const std::vector<TraceTrial>& trials,
+                       const std::string& pupil_unit) {
   std::string table =
       "time_s\tgaze_state\torigin_x_m\torigin_y_m\torigin_z_m\tdirection_x\tdirection_y\t"
       "direction_z\tpoint_x_m\tpoint_y_m\tpoint_z_m\tdistance_m\tnormal_x\tnormal_y\tnormal_z\t"
-      "object\n";
+      "object\tpupil\tpupil_unit\ttrial\n";
   for (const SightSample& sample : gaze.samples) {
     table += decimal(sample.time_s, 6) + '\t' + std::string(nameOf(sample.state)) + '\t' +
              vectorText(sample.origin_m, 4) + '\t' +
              (sample.valid ? vectorText(sample.direction, 6) : "n/a\tn/a\tn/a") + '\t';
     if (sample.hit) {
       table += vectorText(sample.hit->point_m, 4) + '\t' + decimal(sample.hit->distance_m, 4) +
-               '\t' + normalText(sample.hit->normal) + '\t' + nameText(gaze, *sample.hit) + '\n';
+               '\t' + normalText(sample.hit->normal) + '\t';
     } else {
-      table += "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\n";
+      table += "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\t";
     }
+    table += objectText(gaze, sample.hit) + '\t' +
+             pupilText(sample.pupil_mm, sample.pupil_own, pupil_unit) + '\t' +
+             trialAt(trials, sample.time_s) + '\n';
   }
   return table;
 }
 
-std::string sightFixationTable(const GazeInScene& gaze) {
-  std::string table =
-      "onset_s\tduration_s\tpoint_x_m\tpoint_y_m\tpoint_z_m\tdistance_m\tobject\tobject_share\n";
-  for (const SightFixation& fixation : gaze.fixations) {
-    table += decimal(fixation.onset_s, 6) + '\t' + decimal(fixation.duration_s, 6) + '\t';
-    if (fixation.hit) {
-      table += vectorText(fixation.hit->point_m, 4) + '\t' + decimal(fixation.hit->distance_m, 4) +
-               '\t' + nameText(gaze, *fixation.hit) + '\t' +
-               (fixation.hit->object == 0 ? "n/a" : decimal(fixation.share, 3)) + '\n';
-    } else {
-      table += "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\n";
+std::string objectTable(const GazeInScene& gaze, const std::vector<TraceTrial>& trials) {
+  std::vector<ObjectLooks> named;
+  for (const ObjectLooks& object : gaze.objects) named.push_back({.name = object.name});
+  std::vector<std::string> order;
+  for (const TraceTrial& trial : trials) order.push_back(visible(trial.name));
+  order.emplace_back("n/a");
+  std::map<std::string, Looks> looks;
+  if (trials.empty()) looks.try_emplace("n/a", named);
+  const auto during = [&](double time_s) -> Looks& {
+    return looks.try_emplace(trialAt(trials, time_s), named).first->second;
+  };
+  for (const SightSample& sample : gaze.samples) during(sample.time_s).add(sample);
+  for (const SightFixation& fixation : gaze.fixations) during(fixation.onset_s).add(fixation);
+  std::string table = "trial\tobject\tfirst_look_s\tdwell_s\tfixations\tvisits\tmean_distance_m\n";
+  for (const std::string& trial : order) {
+    const auto found = looks.find(trial);
+    if (found == looks.end()) continue;
+    const std::vector<ObjectLooks> objects = found->second.finish();
+    looks.erase(found);
+    for (std::size_t i = 1; i < objects.size(); ++i) {
+      const ObjectLooks& object = objects[i];
+      table += trial + '\t' + visible(object.name) + '\t' +
+               (object.first_look_s ? decimal(*object.first_look_s, 6) : "n/a") + '\t' +
+               decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
+               std::to_string(object.visits) + '\t' +
+               (object.mean_distance_m ? decimal(*object.mean_distance_m, 4) : "n/a") + '\n';
     }
-  }
-  return table;
-}
-
-std::string objectTable(const GazeInScene& gaze) {
-  std::string table = "object\tfirst_look_s\tdwell_s\tfixations\tvisits\tmean_distance_m\n";
-  for (std::size_t i = 1; i < gaze.objects.size(); ++i) {
-    const ObjectLooks& object = gaze.objects[i];
-    table += visible(object.name) + '\t' +
-             (object.first_look_s ? decimal(*object.first_look_s, 6) : "n/a") + '\t' +
-             decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
-             std::to_string(object.visits) + '\t' +
-             (object.mean_distance_m ? decimal(*object.mean_distance_m, 4) : "n/a") + '\n';
   }
   return table;
 }

@@ -32,6 +32,7 @@ struct SightSample {
   glm::dvec3 origin_m{0.0}, direction{0.0};  ///< of the eye; direction of unit length, if valid
   glm::dvec3 up{0.0, 1.0, 0.0};              ///< of the eye
   std::optional<SightHit> hit = {};
+  std::optional<double> pupil_mm = {}, pupil_own = {};  ///< as recorded
 };
 
 /// A fixation in the scene.
@@ -39,6 +40,8 @@ struct SightFixation {
   double onset_s = 0.0, duration_s = 0.0;
   std::optional<SightHit> hit = {};  ///< mean point and distance; the object with the most time
   double share = 0.0;                ///< of the time with gaze, on that object
+  double surface_D = 0.0;            ///< mean reciprocal of the distance, where there is a `hit`
+  glm::dvec3 direction{0.0};         ///< mean line of sight, unit; 0 without any
 };
 
 /// How an object was looked at.
@@ -73,9 +76,26 @@ std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSamp
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
                           RunEvents& judged, bool attention);
 
-/// gaze3d.tsv, fixations3d.tsv and objects.tsv; `n/a` where a value is absent.
-std::string sightTable(const GazeInScene& gaze);
-std::string sightFixationTable(const GazeInScene& gaze);
-std::string objectTable(const GazeInScene& gaze);
+/// Three numbers as fields of a table.
+std::string vectorText(const glm::dvec3& v, int digits);
+
+/// The pupil in the tracker's own unit: of both eyes their mean.
+std::optional<double> ownPupilOf(const GazeSample& sample);
+
+/// A pupil as recorded, and its unit.
+std::string pupilText(const std::optional<double>& pupil_mm, const std::optional<double>& pupil_own,
+                      const std::string& own_unit);
+
+/// The object that a line of sight met; `n/a` if it is none.
+std::string objectText(const GazeInScene& gaze, const std::optional<SightHit>& hit);
+
+/// gaze3d.tsv; `n/a` where a value is absent.
+/// @param trials      in order of their beginnings
+/// @param pupil_unit  of `pupil_own`
+std::string sightTable(const GazeInScene& gaze, const std::vector<TraceTrial>& trials,
+                       const std::string& pupil_unit);
+
+/// objects.tsv: for each trial, and for the time between trials, a row for each object.
+std::string objectTable(const GazeInScene& gaze, const std::vector<TraceTrial>& trials);
 
 }  // namespace foci

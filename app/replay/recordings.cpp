@@ -1,13 +1,16 @@
 #include "app/replay/recordings.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
+#include "app/replay/fixation_tables.h"
 #include "app/replay/recordings_page.h"
+#include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "base/words.h"
@@ -16,6 +19,7 @@
 namespace foci {
 namespace {
 
+constexpr std::uintmax_t kMaxTableBytes = 1U << 30U;
 constexpr const char *kPage = "index.html", *kTable = "recordings.tsv";
 
 std::filesystem::path fileOf(const std::string& trace) {
@@ -42,7 +46,9 @@ std::string safeName(std::string_view name) {
   if (safe.empty()) return "recording";
   if (safe.front() == '.') safe.front() = '_';
   if (safe.back() == '.' || safe.back() == ' ') safe.back() = '_';
-  if (safe == kPage || safe == kTable) safe += "_";
+  for (const char* own : {kPage, kTable, kFixationTable, kSaccadeTable}) {
+    if (safe == own) safe += "_";
+  }
   return safe;
 }
 
@@ -123,7 +129,9 @@ void nameSafely(std::vector<BatchRecording>& recordings) {
 
 std::vector<std::filesystem::path> batchFiles(const std::vector<BatchRecording>& recordings,
                                               const std::filesystem::path& out) {
-  std::vector<std::filesystem::path> files = {out / kPage, out / kTable};
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {kPage, kTable, kFixationTable, kSaccadeTable})
+    files.push_back(out / name);
   for (const BatchRecording& each : recordings) {
     for (auto& file : RunWriter::files(each.study, out / each.name)) files.push_back(file);
   }
@@ -150,6 +158,15 @@ std::vector<BatchResult> replayAll(const std::vector<BatchRecording>& recordings
     results.push_back(std::move(result));
   }
   files.write(out / kTable, recordingsTable(results));
+  for (const char* name : {kFixationTable, kSaccadeTable}) {
+    std::vector<std::pair<std::string, std::string>> tables;
+    for (const BatchResult& each : results) {
+      if (!each.problem.empty()) continue;
+      tables.emplace_back(each.recording.name,
+                          bytesOfFile(out / each.recording.name / name, kMaxTableBytes));
+    }
+    files.write(out / name, joinedTable(tables));
+  }
   files.write(out / kPage, recordingsPage(recordings.front().study, results));
   files.commit();
   return results;

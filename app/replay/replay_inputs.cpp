@@ -12,15 +12,42 @@
 #include "app/study/recorded_head.h"
 #include "base/input_error.h"
 #include "base/parallel.h"
+#include "base/text.h"
+#include "gaze/sources/trials.h"
 
 namespace foci {
+namespace {
+
+/// Those of the study, else of its marker, else of the recording.
+std::vector<TraceTrial> trialsOf(const Study& study, const GazeTrace& trace, Warnings& warnings) {
+  const double first_s = trace.samples.front().time_s, last_s = trace.samples.back().time_s;
+  if (!study.trials.empty()) {
+    const bool any = std::ranges::any_of(study.trials, [&](const TraceTrial& trial) {
+      return trial.first_s <= last_s && trial.last_s > first_s;
+    });
+    if (!any) {
+      warnings.add(study.file.string(),
+                   "no [[trial]] lies within the recording, whose clock runs "
+                   "from " +
+                       decimal(first_s, 3) + " to " + decimal(last_s, 3) + " s");
+    }
+    return study.trials;
+  }
+  const std::string& marker = study.gaze.trial_marker;
+  if (marker.empty() && !trace.trials.empty()) return trace.trials;
+  auto trials = trialsIn(trace.markers, marker.empty() ? kTrialMessage : marker, last_s);
+  if (trials.empty() && !marker.empty()) {
+    warnings.add(study.gaze.source, "no event marker begins with gaze.trial_marker = \"" + marker +
+                                        "\", so there are no trials");
+  }
+  return trials;
+}
+
+}  // namespace
 
 ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
-  ReplayedGaze inputs{.study = {},
-                      .trace = loadGaze(study, warnings),
-                      .schedule = {},
-                      .changes = {},
-                      .markers = {}};
+  ReplayedGaze inputs{
+      .study = {}, .trace = loadGaze(study, warnings), .schedule = {}, .changes = {}, .trials = {}};
   inputs.study = withRecordedHead(study, inputs.trace);
   const glm::ivec2 size_px = inputs.study.imageSize_px();
   if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
@@ -43,14 +70,8 @@ ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
   inputs.schedule = scheduleOf(study, inputs.trace);
   inputs.study.output.fps = inputs.schedule.fps;
   if (study.record.changes) inputs.changes = readChanges(*study.record.changes);
-  if (study.record.markers) {
-    inputs.markers = readEventMarkers(*study.record.markers);
-  } else {
-    inputs.markers.reserve(inputs.trace.markers.size());
-    for (const TraceMarker& marker : inputs.trace.markers) {
-      inputs.markers.push_back({marker.time_s, marker.text});
-    }
-  }
+  if (study.record.markers) inputs.trace.markers = readEventMarkers(*study.record.markers);
+  inputs.trials = trialsOf(inputs.study, inputs.trace, warnings);
   return inputs;
 }
 

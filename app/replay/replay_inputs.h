@@ -25,7 +25,7 @@ struct ReplayedGaze {
   GazeTrace trace;
   Schedule schedule;
   std::vector<Change> changes;
-  std::vector<EventMarker> markers;
+  std::vector<TraceTrial> trials;
 };
 
 /// @throws InputError, also for images that H.264 does not take

@@ -20,7 +20,7 @@ std::string shownValue(const std::string& json) { return json == "null" ? "absen
 }  // namespace
 
 RunChanges changesOfRun(const Study& study, const std::vector<Change>& changes,
-                        const std::vector<EventMarker>& markers, double first_s, double last_s) {
+                        const std::vector<TraceMarker>& markers, double first_s, double last_s) {
   RunChanges run{.start = study, .changes = {}, .markers = {}};
   Study now = study;
   for (const Change& change : changes) {
@@ -35,7 +35,7 @@ RunChanges changesOfRun(const Study& study, const std::vector<Change>& changes,
   }
   std::copy_if(
       markers.begin(), markers.end(), std::back_inserter(run.markers),
-      [&](const EventMarker& one) { return one.time_s >= first_s && one.time_s <= last_s; });
+      [&](const TraceMarker& one) { return one.time_s >= first_s && one.time_s <= last_s; });
   return run;
 }
 
@@ -71,7 +71,7 @@ std::string changesText(const std::vector<SettingChange>& changes) {
 
 std::vector<RunMark> marksOf(const RunChanges& run) {
   std::vector<RunMark> marks;
-  for (const EventMarker& marker : run.markers) {
+  for (const TraceMarker& marker : run.markers) {
     marks.push_back({.time_s = marker.time_s, .text = marker.text});
   }
   for (const SettingChange& change : run.changes) {

@@ -20,12 +20,12 @@ struct SettingChange {
 struct RunChanges {
   Study start;                         ///< in force at the first frame
   std::vector<SettingChange> changes;  ///< after it, in order of time
-  std::vector<EventMarker> markers;    ///< from the first frame to the last
+  std::vector<TraceMarker> markers;    ///< from the first frame to the last
 };
 
 /// @param changes  in order of time; those before the first frame go into `start`
 RunChanges changesOfRun(const Study& study, const std::vector<Change>& changes,
-                        const std::vector<EventMarker>& markers, double first_s, double last_s);
+                        const std::vector<TraceMarker>& markers, double first_s, double last_s);
 
 /// "observer.pupil_mm 2, 4, 8; eye.position_m 245 times": each key with its values, or how often it
 /// changed. Empty without changes.

@@ -20,8 +20,7 @@ namespace {
 
 constexpr const char *kVideo = "video.mp4", *kFrames = "frames.tsv", *kEvents = "events.tsv",
                      *kManifest = "manifest.json", *kReport = "report.html",
-                     *kSights = "gaze3d.tsv", *kSightFixations = "fixations3d.tsv",
-                     *kObjects = "objects.tsv";
+                     *kSights = "gaze3d.tsv", *kObjects = "objects.tsv";
 constexpr const char *kImage = "frame-", *kImageEnd = ".png";  // the frame's number is between
 
 /// Counts the samples of the replayed time, and those without a gaze point.
@@ -90,8 +89,8 @@ std::vector<std::filesystem::path> RunWriter::files(const Study& study,
                                                     const std::filesystem::path& out) {
   std::vector<std::filesystem::path> files;
   if (study.output.images || !study.output.maps.empty()) files = imagesIn(out);
-  for (const char* name :
-       {kVideo, kFrames, kEvents, kSights, kSightFixations, kObjects, kManifest, kReport}) {
+  for (const char* name : {kVideo, kFrames, kEvents, kFixationTable, kSaccadeTable, kSights,
+                           kObjects, kManifest, kReport}) {
     files.push_back(out / name);
   }
   return files;
@@ -107,7 +106,7 @@ RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelC
       folder_(out, guard),
       video_file_(folder_.stage(kVideo)),
       video_(video_file_, study.imageSize_px(), study.output.fps),
-      table_(folder_.stage(kFrames)),
+      table_(folder_.stage(kFrames), gaze.trials),
       sheet_(gaze.schedule.frames) {}
 
 void RunWriter::addMaps(std::size_t frame, const SeenFrame& seen, const Frame& rendered) {
@@ -120,6 +119,7 @@ void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image
   if (seen.marker) drawGazeMarkers(seen.gaze_px, seen.record, shown);
   table_.add(frame, seen.record);
   statistics_.add(seen.record);
+  eyes_.push_back({seen.record.time_s, seen.record.eye.focus_D, seen.record.pupil_mm});
   agreement_.add(seen.record);
   hash_.add(shown.rgb);
   if (study_.output.images) {
@@ -144,10 +144,11 @@ RunResult RunWriter::finish(const RunFacts& run) {
   }
   const GazeInScene in_scene =
       lookIntoScene(study_, gaze_, cloud_, judged, run.heatmap.has_value());
-  folder_.write(kEvents, eventTable(events, study_.gaze.events.detector));
-  folder_.write(kSights, sightTable(in_scene));
-  folder_.write(kSightFixations, sightFixationTable(in_scene));
-  folder_.write(kObjects, objectTable(in_scene));
+  folder_.write(kEvents, eventTable(events, gaze_.trials, study_.gaze.events.detector));
+  folder_.write(kFixationTable, fixationTable(study_, gaze_, judged, in_scene, eyes_));
+  folder_.write(kSaccadeTable, saccadeTable(study_, gaze_, judged, in_scene));
+  folder_.write(kSights, sightTable(in_scene, gaze_.trials, gaze_.trace.pupil_unit));
+  folder_.write(kObjects, objectTable(in_scene, gaze_.trials));
 
   ReportFacts facts;
   facts.threads = run.threads;
@@ -166,7 +167,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
     });
   }
   facts.sheet = sheet_.images(study_.imageSize_px());
-  facts.run = changesOfRun(study_, gaze_.changes, gaze_.markers, schedule.time_s(0),
+  facts.run = changesOfRun(study_, gaze_.changes, gaze_.trace.markers, schedule.time_s(0),
                            schedule.time_s(schedule.frames - 1));
   if (const std::string warning = toleranceText(study_, facts); !warning.empty()) {
     warnings_.add(warning);

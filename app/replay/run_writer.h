@@ -12,6 +12,7 @@
 #include "app/record/run_summary.h"
 #include "app/record/tables.h"
 #include "app/replay/contact_sheet.h"
+#include "app/replay/fixation_tables.h"
 #include "app/replay/frame_statistics.h"
 #include "app/replay/replay_inputs.h"
 #include "app/replay/seen_frame.h"
@@ -74,6 +75,7 @@ class RunWriter {
   ContactSheet sheet_;
   SurfaceAgreement agreement_{};
   FrameStatistics statistics_;
+  std::vector<EyeInFrame> eyes_{};
 };
 
 /// "frame-000012.png"

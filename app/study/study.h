@@ -124,9 +124,12 @@ struct Study {
     SceneAlignment alignment;
     std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
     std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
+    std::string trial_marker;  ///< begins the markers that begin trials; empty: kTrialMessage
     /// Data loss up to 75 ms is filled, as in Tobii's I-VT filter, so that focus follows through.
     EventSettings events{.max_gap_s = 0.075};
   } gaze;
+
+  std::vector<TraceTrial> trials;  ///< empty: those of the recording
 
   struct Focus {
     double cone_deg = 0.5;  ///< half-angle

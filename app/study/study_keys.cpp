@@ -13,12 +13,14 @@
 
 namespace foci {
 
-// `eye.path`, `scene.object`, `scene.part` and `observer.wavefront` have types of their own;
-// toml_values.h has the others.
+// `eye.path`, `scene.object`, `scene.part`, `trial` and `observer.wavefront` have types of their
+// own; toml_values.h has the others.
 static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to);
 static std::string write(const std::vector<ScenePart>& parts);
 static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to);
 static std::string write(const std::vector<NamedShape>& shapes);
+static void read(const toml::value& from, const Allowed&, std::vector<TraceTrial>& to);
+static std::string write(const std::vector<TraceTrial>& trials);
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
 static std::string write(const std::vector<EyeKeyframe>& path);
 static void read(const toml::value& from, const Allowed& allowed, WavefrontChoice& to);
@@ -51,6 +53,10 @@ std::optional<std::string> expectedEulerOrder(std::string_view order) {
   key < ScenePart, [](auto& part) -> auto& { return part.member; } \
   > (__VA_ARGS__)
 
+#define FOCI_TRIAL_KEY(member, ...)                                   \
+  key < TraceTrial, [](auto& trial) -> auto& { return trial.member; } \
+  > (__VA_ARGS__)
+
 constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
 const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
@@ -70,6 +76,17 @@ const std::vector<Key<NamedShape>>& shapeKeys() {
       FOCI_SHAPE_KEY(center_m, "center_m", "centre, m", {-kFar_m, kFar_m}),
       FOCI_SHAPE_KEY(size_m, "size_m", "edges of a box along the axes, m", {1e-6, kFar_m}),
       FOCI_SHAPE_KEY(radius_m, "radius_m", "radius of a sphere, m", {1e-6, kFar_m}),
+  };
+  return keys;
+}
+
+const std::vector<Key<TraceTrial>>& trialKeys() {
+  constexpr double kFar_s = 1e12;
+  static const std::vector<Key<TraceTrial>> keys = {
+      FOCI_TRIAL_KEY(name, "name", "name of the trial in the tables"),
+      FOCI_TRIAL_KEY(first_s, "start_s", "on the recording's clock, s", {-kFar_s, kFar_s}),
+      FOCI_TRIAL_KEY(last_s, "end_s", "on the recording's clock, s", {-kFar_s, kFar_s}),
+      FOCI_TRIAL_KEY(type, "type", "such as a condition"),
   };
   return keys;
 }
@@ -184,6 +201,8 @@ const std::vector<Key<Study>>& studyKeys() {
                "columns and values of the rows to read, such as { participant = \"A\" }"),
       FOCI_KEY(gaze.columns.stream, "gaze.stream",
                "stream of an XDF file, by name or number (\"#2\"); its channels are the columns"),
+      FOCI_KEY(gaze.trial_marker, "gaze.trial_marker",
+               "begins the event markers (messages) that begin a trial; absent: TRIALID"),
       FOCI_KEY(gaze.columns.pupil, "gaze.pupil", "column of the pupil's diameter"),
       FOCI_KEY(gaze.columns.blink, "gaze.blink", "column that marks blinks"),
       FOCI_KEY(gaze.columns.confidence, "gaze.confidence",
@@ -356,6 +375,9 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(remote.folder, "remote.folder",
                "folder whose files the remote control of foci live may name (set "
                "observer.wavefront \"NAME\"); absent: none"),
+      FOCI_KEY(trials, "trial",
+               "trials { name, start_s, end_s, type } on the recording's clock; absent: those of "
+               "the recording"),
       FOCI_KEY(seed, "seed", "seed of the simulated observer", {0, 9007199254740992.0}),
   };
   return keys;
@@ -393,6 +415,23 @@ static void read(const toml::value& from, const Allowed&, std::vector<NamedShape
                throw Expected{"size_m for a box, or radius_m for a sphere, in each shape"};
              }
            });
+}
+
+static void read(const toml::value& from, const Allowed&, std::vector<TraceTrial>& to) {
+  readList(from, trialKeys(), "a list of at most 10000 { name, start_s, end_s, type }", "trial", to,
+           [](const KeyNames& given) {
+             for (const char* needed : {"name", "start_s", "end_s"}) {
+               if (!given.contains(needed)) throw Expected{std::string(needed) + " in each trial"};
+             }
+           });
+  for (const TraceTrial& trial : to) {
+    if (!(trial.last_s > trial.first_s)) throw Expected{"end_s above start_s in each trial"};
+  }
+  std::ranges::stable_sort(to, {}, &TraceTrial::first_s);
+}
+
+static std::string write(const std::vector<TraceTrial>& trials) {
+  return writeList(trials, trialKeys());
 }
 
 static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to) {

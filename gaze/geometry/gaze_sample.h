@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace foci {
@@ -80,6 +81,15 @@ struct TraceMarker {
   std::string text;
 };
 
+/// A trial of an experiment, as the recording or the study states it.
+struct TraceTrial {
+  std::string name{};
+  double first_s = 0.0, last_s = 0.0;  ///< on the recording's clock
+  std::string type{};                  ///< such as a condition; empty: not stated
+  std::string result{};                ///< empty: not stated
+  std::vector<std::pair<std::string, std::string>> variables{};
+};
+
 struct GazeTrace {
   std::string format;                 ///< for reports: "EyeLink ASC, binocular", "TSV", ...
   std::optional<Screen> screen{};     ///< if the file describes one
@@ -93,6 +103,8 @@ struct GazeTrace {
   /// Metres per unit of the scene that the observer saw, if the recording states it.
   std::optional<double> scene_scale_m{};
   std::vector<TraceMarker> markers{};   ///< in order of time
+  std::vector<TraceTrial> trials{};     ///< in order of their beginnings
+  std::string pupil_unit{};             ///< of `pupil_own`; empty: no sample has one
   std::vector<std::string> assumed{};   ///< what the file does not state, a phrase each
   std::vector<std::string> warnings{};  ///< what looks wrong in the positions, a sentence each
 };

@@ -8,6 +8,10 @@
 //
 // With a recording of the other eye, samples have both eyes if their times agree within half of an
 // interval; their point is the `Cyclopean` point.
+//
+// The rows of _events.tsv are trials. Their onsets count from the start of the task, StartTime
+// before the first sample. The messages of _physioevents.tsv are markers, on the recording's own
+// clock.
 
 #include <algorithm>
 #include <array>
@@ -319,27 +323,130 @@ std::optional<fs::path> otherEyeOf(const fs::path& file) {
   return std::nullopt;
 }
 
+/// The rows of `_events.tsv`, with onsets as the file has them. A row without duration lasts until
+/// the next one.
+std::vector<TraceTrial> trialsOf(const fs::path& events) {
+  NamedTable table(events, "onset and duration, tab-separated");
+  table.withoutComments();
+  const std::size_t onset = table.column("onset"), duration = table.column("duration");
+  const auto type = table.find("trial_type");
+  std::optional<std::size_t> number;
+  for (const char* name : {"trial_number", "trial_id", "trial"}) {
+    if (!number) number = table.find(name);
+  }
+  const auto textIn = [&](const std::optional<std::size_t>& column) {
+    const std::string_view text = column ? table.text(*column) : std::string_view();
+    return isAbsent(text) ? std::string() : std::string(text);
+  };
+  std::vector<TraceTrial> trials;
+  std::size_t row = 0;
+  while (table.next()) {
+    ++row;
+    const auto first_s = table.number(onset);
+    if (!first_s) continue;
+    const double duration_s = table.number(duration).value_or(0.0);
+    TraceTrial trial{.name = textIn(number), .first_s = *first_s, .type = textIn(type)};
+    if (trial.name.empty()) trial.name = std::to_string(row);
+    trial.last_s = duration_s > 0.0 ? *first_s + duration_s : HUGE_VAL;
+    trials.push_back(std::move(trial));
+  }
+  std::ranges::stable_sort(trials, {}, &TraceTrial::first_s);
+  for (std::size_t i = 0; i + 1 < trials.size(); ++i) {
+    if (trials[i].last_s == HUGE_VAL) trials[i].last_s = trials[i + 1].first_s;
+  }
+  return trials;
+}
+
+/// @param first_s, last_s  of the samples
+void addTrials(const BidsMetadata& metadata, double first_s, double last_s, TraceHeader& header) {
+  if (!metadata.events) return;
+  std::vector<TraceTrial> trials = trialsOf(*metadata.events);
+  const auto start = metadata.physio.find("StartTime");
+  const bool stated = start != metadata.physio.end() && start->is_number();
+  const double task_s = first_s - (stated ? start->get<double>() : 0.0);
+  const auto anyWithin = [&](double from_s) {
+    return std::ranges::any_of(trials, [&](const TraceTrial& trial) {
+      return trial.first_s + from_s <= last_s && trial.last_s + from_s > first_s;
+    });
+  };
+  const std::string name = metadata.events->filename().string();
+  double from_s = task_s;
+  if (!trials.empty() && !anyWithin(task_s)) {
+    if (!anyWithin(0.0)) {
+      header.warnings.push_back("no event of " + name +
+                                " lies within the recording, so it has no trials: do its onsets "
+                                "count from the start of the task, and is StartTime right?");
+      return;
+    }
+    from_s = 0.0;
+    header.assumed.push_back("trials: onsets of " + name + " on the recording's own clock");
+  }
+  for (TraceTrial& trial : trials) {
+    trial.first_s += from_s;
+    trial.last_s = trial.last_s == HUGE_VAL ? last_s : trial.last_s + from_s;
+    if (trial.first_s <= last_s && trial.last_s > first_s) header.trials.push_back(trial);
+  }
+}
+
+/// The messages of the tracker.
+std::vector<TraceMarker> messagesOf(const BidsMetadata& metadata) {
+  std::vector<TraceMarker> messages;
+  const auto columns = metadata.physioevents.find("Columns");
+  if (!metadata.messages || columns == metadata.physioevents.end()) return messages;
+  const auto at = [&](const char* name) {
+    return static_cast<std::size_t>(std::ranges::find(*columns, Json(name)) - columns->begin());
+  };
+  const std::size_t onset = at("onset"), message = at("message");
+  if (std::max(onset, message) >= columns->size()) return messages;
+  std::string names;
+  for (std::size_t i = 0; i < columns->size(); ++i)
+    names += (i > 0 ? "\tc" : "c") + std::to_string(i);
+  LineReader lines(*metadata.messages);
+  TextRows rows(lines, {}, names);
+  rows.withoutComments();
+  while (rows.next()) {
+    if (rows.size() <= std::max(onset, message) || rows.isAbsent(message)) continue;
+    if (const auto time_s = rows.number(onset)) {
+      messages.push_back({*time_s, std::string(rows.text(message))});
+    }
+  }
+  std::ranges::stable_sort(messages, {}, &TraceMarker::time_s);
+  return messages;
+}
+
 TraceHeader readBids(const RecordingFile& recording, const Screen& fallback_screen,
                      const TakeSample& take) {
   const fs::path& file = recording.path();
   const TraceColumns& described = recording.columns();
   const auto metadata = bidsMetadata(file);
   requireRows(file, *metadata);
+  std::optional<double> first_s;
+  double last_s = 0.0;
+  const TakeSample timed = [&](const GazeSample& sample) {
+    last_s = sample.time_s;
+    if (!first_s) first_s = last_s;
+    take(sample);
+  };
   const auto other = otherEyeOf(file);
-  if (!other) return readEye(file, *metadata, described, fallback_screen, take);
-  return readBothEyes(file, *metadata, *other, *bidsMetadata(*other), described, fallback_screen,
-                      take);
+  TraceHeader header = other ? readBothEyes(file, *metadata, *other, *bidsMetadata(*other),
+                                            described, fallback_screen, timed)
+                             : readEye(file, *metadata, described, fallback_screen, timed);
+  header.markers = messagesOf(*metadata);
+  addTrials(*metadata, first_s.value_or(0.0), last_s, header);
+  return header;
 }
 
 std::vector<fs::path> bidsCompanionsOf(const fs::path& file) {
-  std::vector<fs::path> companions = bidsMetadata(file)->files;
+  const auto metadata = bidsMetadata(file);
+  std::vector<fs::path> companions = metadata->files;
+  for (const auto& table : {metadata->events, metadata->messages}) {
+    if (table) companions.push_back(*table);
+  }
   if (const auto other = otherEyeOf(file)) {
     companions.push_back(*other);
     const auto of_other = bidsMetadata(*other);
-    for (const fs::path& metadata : of_other->files) {
-      if (std::ranges::find(companions, metadata) == companions.end()) {
-        companions.push_back(metadata);
-      }
+    for (const fs::path& json : of_other->files) {
+      if (std::ranges::find(companions, json) == companions.end()) companions.push_back(json);
     }
   }
   return companions;

@@ -16,9 +16,12 @@
 namespace foci {
 
 struct BidsMetadata {
-  std::vector<std::filesystem::path> files{};  ///< from the data set's root to the recording
-  nlohmann::ordered_json physio{};             ///< keys of nearer files replace those higher up
-  nlohmann::ordered_json stimulus{};           ///< StimulusPresentation; null: none
+  std::vector<std::filesystem::path> files{};     ///< from the data set's root to the recording
+  nlohmann::ordered_json physio{};                ///< keys of nearer files replace those higher up
+  nlohmann::ordered_json stimulus{};              ///< StimulusPresentation; null: none
+  std::optional<std::filesystem::path> events{};  ///< `_events.tsv` of the task
+  std::optional<std::filesystem::path> messages{};  ///< `_physioevents.tsv.gz` of the recording
+  nlohmann::ordered_json physioevents{};            ///< of `messages`
 
   /// Of a key of `physio`; empty if it is no text.
   std::string text(const char* key) const;

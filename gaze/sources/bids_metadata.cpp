@@ -59,15 +59,14 @@ std::vector<fs::path> foldersOf(const fs::path& file) {
   return {own};
 }
 
-/// The JSON files of a folder that end in `suffix` and whose parts the recording has, too. Those of
+/// The files of a folder that end in `ending` and whose parts the recording has, too. Those of
 /// fewer parts come first.
-std::vector<fs::path> jsonFilesIn(const fs::path& folder, std::string_view suffix,
-                                  const std::vector<std::string>& parts) {
+std::vector<fs::path> filesIn(const fs::path& folder, std::string_view ending,
+                              const std::vector<std::string>& parts) {
   std::vector<std::pair<std::size_t, fs::path>> found;
   std::error_code unreadable;
   for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
     const std::string name = entry.path().filename().string();
-    const std::string ending = std::string(suffix) + ".json";
     if (!name.ends_with(ending) || !entry.is_regular_file(unreadable)) continue;
     const std::string stem = name.substr(0, name.size() - ending.size());
     // "physio.json" applies to all; "task-look_physio.json" to a task.
@@ -145,18 +144,23 @@ std::string BidsMetadata::unitOf(const std::string& column) const {
 std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {
   const auto stem = stemOf(file);
   if (!stem) return std::nullopt;
-  BidsMetadata metadata{.physio = Json::object()};
+  BidsMetadata metadata{.physio = Json::object(), .physioevents = Json::object()};
   bool any = false;
   const auto parts = partsOf(*stem);
   Json older;  // of `_physio.json`
   for (const fs::path& folder : foldersOf(file)) {
-    for (fs::path& path : jsonFilesIn(folder, "physio", parts)) {
+    for (fs::path& path : filesIn(folder, "physio.json", parts)) {
       const Json json = readJson(path);
       for (const auto& [key, value] : json.items()) metadata.physio[key] = value;
       metadata.files.push_back(std::move(path));
       any = true;
     }
-    for (fs::path& path : jsonFilesIn(folder, "events", parts)) {
+    for (const fs::path& path : filesIn(folder, "physioevents.json", parts)) {
+      const Json json = readJson(path);
+      for (const auto& [key, value] : json.items()) metadata.physioevents[key] = value;
+    }
+    for (fs::path& path : filesIn(folder, "events.tsv", parts)) metadata.events = std::move(path);
+    for (fs::path& path : filesIn(folder, "events.json", parts)) {
       const Json json = readJson(path);
       const auto stimulus = json.find("StimulusPresentation");
       if (stimulus == json.end()) continue;
@@ -165,6 +169,13 @@ std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {
     }
   }
   if (!any) return std::nullopt;
+  for (const char* ending : {"_physioevents.tsv.gz", "_physioevents.tsv"}) {
+    std::error_code unreadable;
+    const fs::path messages = file.parent_path() / (*stem + ending);
+    if (!fs::is_regular_file(messages, unreadable)) continue;
+    metadata.messages = messages;
+    break;
+  }
   const auto own = metadata.physio.find("StimulusPresentation");
   if (!metadata.stimulus.is_object() && own != metadata.physio.end()) metadata.stimulus = *own;
   return metadata;

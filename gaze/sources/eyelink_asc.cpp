@@ -21,6 +21,7 @@
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"
 #include "gaze/sources/row_times.h"
+#include "gaze/sources/trials.h"
 
 namespace foci {
 namespace {
@@ -90,7 +91,8 @@ class AscReader {
     }
     endBlock();
     requireSamples();
-    finishTrial(1e-3 * std::max(time_ms_, newest_message_ms_));
+    header_.trials =
+        trialsIn(trial_messages_, kTrialMessage, 1e-3 * std::max(time_ms_, newest_message_ms_));
     if (sizes_.size() > 1) {
       header_.assumed.push_back("screen: one, which blocks of " + sizes_.front() + " and of " +
                                 sizes_.back() + " px fill");
@@ -223,27 +225,14 @@ class AscReader {
           trimmed(line.substr(static_cast<std::size_t>(words_[word].data() - line.data()))));
     };
     const std::string_view second = first + 1 < words_.size() ? words_[first + 1] : "";
-    if (key == "TRIALID") {
-      finishTrial(time_s);
-      trial_ = TraceTrial{.name = textFrom(first + 1), .first_s = time_s};
-    } else if (key == "!V" && second == "TRIAL_VAR" && trial_ && first + 2 < words_.size()) {
-      trial_->variables.emplace_back(words_[first + 2], textFrom(first + 3));
-    } else if (key == "TRIAL_RESULT" && trial_) {
-      trial_->result = textFrom(first + 1);
-      finishTrial(time_s);
+    if (key == kTrialMessage || key == "TRIAL_RESULT" || (key == "!V" && second == "TRIAL_VAR")) {
+      trial_messages_.push_back({time_s, textFrom(first)});
     } else if (key == "!CAL" && (second == "CALIBRATION" || second == "VALIDATION")) {
       readCalibration(time_s, first + 1);
     }
     const bool own = std::ranges::any_of(
         kOwnMessages, [&](std::string_view start) { return key.starts_with(start); });
     if (!own) header_.markers.push_back({time_s, textFrom(2)});
-  }
-
-  void finishTrial(double time_s) {
-    if (!trial_) return;
-    trial_->last_s = time_s;
-    header_.trials.push_back(std::move(*trial_));
-    trial_.reset();
   }
 
   /// "CALIBRATION HV9 L LEFT GOOD", "VALIDATION HV9 LR LEFT GOOD ERROR 0.31 avg. 0.75 max ...".
@@ -405,7 +394,7 @@ class AscReader {
   glm::dvec2 per_pixel_{1.0};  // pixels of the header's screen
   glm::ivec2 newest_size_px_{0};
   std::vector<std::string> sizes_{};
-  std::optional<TraceTrial> trial_{};
+  std::vector<TraceMarker> trial_messages_{};
   double newest_message_ms_ = 0.0;
   bool gaze_coords_ = false, binocular_ = false, remote_ = false;
   bool started_ = false, outside_ = false;  // a START line; samples before any

@@ -11,6 +11,7 @@
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/trace_doubts.h"
 #include "gaze/sources/trace_summary.h"
+#include "gaze/sources/trials.h"
 
 namespace foci {
 namespace {
@@ -96,12 +97,15 @@ const std::string& RecordingFile::firstLine() const {
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
   TraceDoubts doubts;
+  double last_s = 0.0;
   const RecordingFile recording(file, columns);
   TraceHeader header =
       formatOf(recording).read(recording, fallback_screen, [&](const GazeSample& sample) {
         doubts.add(sample);
+        last_s = sample.time_s;
         take(sample);
       });
+  if (header.trials.empty()) header.trials = trialsIn(header.markers, kTrialMessage, last_s);
   if (columns.space.from_head) {
     header.assumed.push_back("gaze: straight ahead of the head (gaze.from_head)");
   }
@@ -189,6 +193,8 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   trace.field = header.field;
   trace.scene_scale_m = header.scene_scale_m;
   trace.markers = header.markers;
+  trace.trials = header.trials;
+  trace.pupil_unit = header.pupil_unit;
   trace.assumed = header.assumed;
   trace.warnings = header.warnings;
   const std::string name = file.string();

@@ -143,14 +143,6 @@ struct ColumnReading {
   std::string why{};      ///< what makes it sure; empty for unused columns
 };
 
-/// A trial of an experiment, as the recording's messages state it.
-struct TraceTrial {
-  std::string name{};
-  double first_s = 0.0, last_s = 0.0;
-  std::string result{};  ///< empty: not stated
-  std::vector<std::pair<std::string, std::string>> variables{};
-};
-
 /// What the tracker says of its calibration or of a validation.
 struct TrackerCalibration {
   double time_s = 0.0;

@@ -95,6 +95,10 @@ def main():
             events = out / subject / "beh" / f"{subject}_task-look_recording-eye1_physioevents.tsv.gz"
             assert "saccade" in gzip.decompress(events.read_bytes()).decode()
 
+        fixations = [line.split("\t") for line in (out / "fixations.tsv").read_text().splitlines()]
+        assert sorted({row[1] for row in fixations[1:]}) == ["01", "02", "03"], fixations
+        assert fixations[0].count("subject") == 1 and len({len(row) for row in fixations}) == 1
+
         # A recording in parts, which are joined, has the same frames.
         subprocess.run([*command, "out=split", "parts=2"], cwd=folder, env=environment, capture_output=True, check=True)
         hashes = [[line.split("\t")[-1] for line in (place / "recordings.tsv").read_text().splitlines()]

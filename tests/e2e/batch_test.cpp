@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-constexpr std::size_t kRenderMs = 14;  // the last column of frames.tsv, the only timing
 
 /// A recording that jumps between two points of a screen of 640x480 px.
 std::string jumpingTrace(double x_px = 500.0) {
@@ -40,10 +39,10 @@ class Batch : public testing::Test {
 
   Json json(const std::string& file) { return Json::parse(folder.read(file)); }
 
-  /// frames.tsv without the times that rendering took.
+  /// frames.tsv without its last column, the times that rendering took.
   std::vector<std::vector<std::string>> framesOf(const std::string& out) {
     auto table = tableOf(folder.read(out + "/frames.tsv"));
-    for (auto& row : table) row.resize(kRenderMs);
+    for (auto& row : table) row.pop_back();
     return table;
   }
 
@@ -66,7 +65,9 @@ class Batch : public testing::Test {
     const Outcome joined = foci(join);
     ASSERT_EQ(joined.exit_code, 0) << joined.err;
     EXPECT_EQ(framesOf("joined"), framesOf("whole"));
-    EXPECT_EQ(folder.read("joined/events.tsv"), folder.read("whole/events.tsv"));
+    for (const std::string table : {"events", "fixations", "saccades", "gaze3d", "objects"}) {
+      EXPECT_EQ(folder.read("joined/" + table + ".tsv"), folder.read("whole/" + table + ".tsv"));
+    }
     EXPECT_TRUE(folder.read("joined/video.mp4") == folder.read("whole/video.mp4"));
     Json a = json("joined/manifest.json"), b = json("whole/manifest.json");
     EXPECT_EQ(a["frames_sha256"], b["frames_sha256"]);
@@ -263,6 +264,13 @@ TEST_F(Batch, ReplaysManyRecordings) {
   const std::string page = folder.read("all/index.html");
   EXPECT_NE(page.find("href=\"sub-02-gaze/report.html\""), std::string::npos);
   EXPECT_TRUE(fs::exists(folder.path() / "all/sub-02-gaze/report.html"));
+  const auto fixations = tableOf(folder.read("all/fixations.tsv"));
+  std::set<std::string> people;
+  for (std::size_t i = 1; i < fixations.size(); ++i) {
+    ASSERT_EQ(fixations[i].size(), fixations[0].size());
+    people.insert(fixations[i][0] + " " + fixations[i][1]);
+  }
+  EXPECT_EQ(people, (std::set<std::string>{"sub-01-gaze 01", "sub-02-gaze 02"}));
 
   // Each is as if it were alone.
   ASSERT_EQ(foci({"replay", "study.toml", "--trace", "sub-02/gaze.tsv", "--out", "one"}).exit_code,

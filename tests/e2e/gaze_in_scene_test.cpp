@@ -1,4 +1,4 @@
-// What gaze meets in the scene: gaze3d.tsv, fixations3d.tsv, objects.tsv.
+// What gaze meets in the scene: gaze3d.tsv, fixations.tsv, saccades.tsv, objects.tsv.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -161,7 +163,7 @@ TEST_F(GazeInScene, FixationsMeetTheObjectsThatWereLookedAt) {
   const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
 
-  const std::vector<Row> fixations = table("out/fixations3d.tsv");
+  const std::vector<Row> fixations = table("out/fixations.tsv");
   int right = 0;
   for (int f = 0; f < kFixations; ++f) {
     const double middle_s = (f + 0.5) * kSamplesEach / kRate_Hz;
@@ -190,6 +192,59 @@ TEST_F(GazeInScene, FixationsMeetTheObjectsThatWereLookedAt) {
   for (const Row& row : table("out/gaze3d.tsv")) met_s += row.at("object") != "n/a" ? 0.005 : 0.0;
   EXPECT_NEAR(dwell_s, met_s, 0.01);
   EXPECT_NE(folder.read("out/report.html").find("<td>cube_1</td>"), std::string::npos);
+}
+
+TEST_F(GazeInScene, TablesOfFixationsNeedNoJoining) {
+  simulate();
+  folder.write("scene.obj", cubesObj());
+  folder.write("study.toml", study("file = \"scene.obj\"\n") +
+                                 "[[trial]]\nname = \"b\"\ntype = \"far\"\nstart_s = 2\nend_s = 4\n"
+                                 "[[trial]]\nname = \"a\"\nstart_s = 0.5\nend_s = 2\n");
+  std::filesystem::create_directories(folder.path() / "sub-03/ses-2");
+  std::filesystem::rename(folder.path() / "trace.tsv", folder.path() / "sub-03/ses-2/look.tsv");
+  const Outcome outcome = runFoci(
+      {"replay", "study.toml", "--trace", "sub-03/ses-2/look.tsv", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<Row> frames = table("out/frames.tsv"), fixations = table("out/fixations.tsv");
+  ASSERT_GE(fixations.size(), 5u);
+  for (const Row& row : fixations) {
+    EXPECT_EQ(row.at("recording") + row.at("subject") + row.at("session"), "look032");
+    const auto value = [&](const char* column) { return std::stod(row.at(column)); };
+    const double onset_s = value("onset_s");
+    EXPECT_EQ(row.at("trial"), onset_s < 0.5 ? "n/a"
+                               : onset_s < 2 ? "a"
+                               : onset_s < 4 ? "b"
+                                             : "n/a");
+    EXPECT_EQ(row.at("trial_type"), row.at("trial") == "b" ? "far" : "n/a");
+    double focus_D = 0.0;
+    int count = 0;
+    for (const Row& frame : frames) {
+      const double since_s = std::stod(frame.at("time_s")) - onset_s;
+      if (since_s < 0.0 || since_s >= value("duration_s")) continue;
+      focus_D += std::stod(frame.at("focus_D"));
+      ++count;
+    }
+    if (count > 0) {
+      EXPECT_NEAR(value("focus_D"), focus_D / count, 1e-3);
+    }
+    if (row.at("distance_m") == "n/a") continue;
+    EXPECT_NEAR(value("surface_D"), 1.0 / value("distance_m"), 0.02);
+    EXPECT_NEAR(value("defocus_D"), value("focus_D") - value("surface_D"), 2e-4);
+    EXPECT_NEAR(value("blur_radius_arcmin"),
+                3437.75 * 0.5e-3 * value("pupil_mm") * std::abs(value("defocus_D")), 2e-3);
+  }
+  double dwell_s = 0.0, met_s = 0.0;
+  std::set<std::string> trials;
+  for (const Row& row : table("out/objects.tsv")) {
+    trials.insert(row.at("trial"));
+    dwell_s += std::stod(row.at("dwell_s"));
+  }
+  for (const Row& row : table("out/gaze3d.tsv")) met_s += row.at("object") != "n/a" ? 0.005 : 0.0;
+  EXPECT_NEAR(dwell_s, met_s, 0.02);
+  EXPECT_TRUE(trials.contains("a") && trials.contains("b"));
+  const std::vector<Row> saccades = table("out/saccades.tsv");
+  ASSERT_GE(saccades.size(), 4u);
+  EXPECT_NE(saccades[1].at("from_object"), saccades[1].at("to_object"));
 }
 
 TEST_F(GazeInScene, ShapesOfTheStudyNameParts) {
@@ -221,8 +276,8 @@ TEST_F(GazeInScene, APreparedSceneKeepsItsObjects) {
   for (const std::string name : {"study", "prepared"}) {
     ASSERT_EQ(runFoci({"replay", name + ".toml", "--out", name}, folder.path()).exit_code, 0);
   }
-  const std::vector<Row> of_mesh = table("study/fixations3d.tsv");
-  const std::vector<Row> of_surfels = table("prepared/fixations3d.tsv");
+  const std::vector<Row> of_mesh = table("study/fixations.tsv");
+  const std::vector<Row> of_surfels = table("prepared/fixations.tsv");
   ASSERT_EQ(of_mesh.size(), of_surfels.size());
   for (std::size_t i = 0; i < of_mesh.size(); ++i) {
     EXPECT_EQ(of_mesh[i].at("object"), of_surfels[i].at("object"));

@@ -138,9 +138,9 @@ TEST(HostileNames, AreFieldsOfTables) {
     gaze.objects = {{.name = {}}, {.name = name, .dwell_s = 1.0}};
     gaze.samples = {{.valid = true, .hit = SightHit{.distance_m = 1.0, .object = 1}}, {}};
     gaze.fixations = {{.duration_s = 1.0, .hit = SightHit{.object = 1}}, {}};
-    expectRectangular(sightTable(gaze), 3);
-    expectRectangular(sightFixationTable(gaze), 3);
-    expectRectangular(objectTable(gaze), 2);
+    const std::vector<TraceTrial> trials{{.name = name, .first_s = 0.0, .last_s = 1.0}};
+    expectRectangular(sightTable(gaze, trials, name), 3);
+    expectRectangular(objectTable(gaze, trials), 2);
 
     ComparedRun run{.folder = name, .name = name};
     run.frames = {{}, {.time_s = 1.0}};

@@ -86,9 +86,9 @@ TEST(EventTable, WritesNaForMissingValues) {
                            .duration_s = 0.25,
                            .position_px = glm::dvec2(10.0, 20.0),
                            .start_px = {}};
-  const std::string table = eventTable({fixation});
+  const std::string table = eventTable({fixation}, {});
   EXPECT_EQ(table.substr(table.find('\n') + 1),
-            "fixation\t1.000000\t0.250000\t10.00\t20.00\tn/a\tn/a\tn/a\tn/a\n");
+            "fixation\t1.000000\t0.250000\t10.00\t20.00\tn/a\tn/a\tn/a\tn/a\tn/a\n");
 }
 
 TEST(ChartSeries, StaysSmallAndEven) {

@@ -12,7 +12,7 @@ const std::vector<Change> kPupils = {{.time_s = 1.0, .key = "observer.pupil_mm",
                                      {.time_s = 3.0, .key = "observer.pupil_mm", .toml = "8"},
                                      {.time_s = 3.5, .key = "focus.fixed_D", .toml = "1.5"},
                                      {.time_s = 9.0, .key = "observer.pupil_mm", .toml = "3"}};
-const std::vector<EventMarker> kMarkers = {{0.5, "before"}, {2.5, "a < b"}, {3.0, "stop"}};
+const std::vector<TraceMarker> kMarkers = {{0.5, "before"}, {2.5, "a < b"}, {3.0, "stop"}};
 
 TEST(RunChanges, ThoseBeforeTheFirstFrameAreInForceAndLaterOnesAreListed) {
   const RunChanges run = changesOfRun(Study{}, kPupils, kMarkers, 1.0, 4.0);
