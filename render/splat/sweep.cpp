@@ -27,10 +27,9 @@ namespace HWY_NAMESPACE {
 
 std::size_t sweepTile(const TileJob& job, bool transparent) {
   const auto run = [&]<bool kTransparent, bool kDepth>() {
-    if (job.lens && job.lens_across)
-      return Sweep<kTransparent, kDepth, Blur::astigmatic>(job).run();
-    if (job.lens) return Sweep<kTransparent, kDepth, Blur::round>(job).run();
-    return Sweep<kTransparent, kDepth, Blur::none>(job).run();
+    if (job.lens && job.lens_across) return Sweep<kTransparent, kDepth, Blur::astigmatic>::run(job);
+    if (job.lens) return Sweep<kTransparent, kDepth, Blur::round>::run(job);
+    return Sweep<kTransparent, kDepth, Blur::none>::run(job);
   };
   if (job.depth_m)
     return transparent ? run.template operator()<true, true>()
