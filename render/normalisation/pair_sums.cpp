@@ -21,9 +21,8 @@ namespace foci {
 /// Cosine from which a kernel is not foreshortened: 1 % at most.
 inline constexpr float kFacing = 0.995f;
 
-/// Neighbours are summed in blocks of so many, whatever the width of a vector: the order of the
-/// sums does not depend on it.
-inline constexpr std::size_t kBlock = 16;
+/// Whatever the width of a vector: the order of the sums does not depend on it.
+inline constexpr std::size_t kBlock = kPairBlock;
 
 /// Where the Gaussians of a whole block have q above this, those of the further neighbours count
 /// for nothing: each is below 6e-6 of its peak.
@@ -79,10 +78,10 @@ struct Own {
 /// their variances. The variance of a kernel on the plane across `along` is v (I - t t'), where t
 /// is the normal's part on that plane.
 struct Overlap {
-  V q, per_area;
+  V q, per_area;   // the latter times the foreshortening of the neighbour's weight
   V variance;      // of the neighbour's kernel
   V sum, per_sum;  // of both variances, not foreshortened, and its inverse
-  V weight;        // of the neighbour, foreshortened
+  V weight;        // of the neighbour
 };
 
 HWY_INLINE Overlap overlapAt(const Block& block, std::size_t first, const Own& own, V prefilter) {
@@ -103,8 +102,9 @@ HWY_INLINE Overlap overlapAt(const Block& block, std::size_t first, const Own& o
   Overlap overlap;
   overlap.variance = variance;
   overlap.sum = hn::IfThenElseZero(hn::Gt(weight, hn::Zero(d)), sum);
-  overlap.weight = hn::Mul(weight, size);
-  overlap.per_area = overlap.per_sum = hn::Div(one, sum);
+  overlap.weight = weight;
+  overlap.per_sum = hn::Div(one, sum);
+  overlap.per_area = hn::Mul(size, overlap.per_sum);
   overlap.q = hn::Mul(x2, overlap.per_area);
   const hn::Mask<D> faces = hn::Gt(hn::Min(hn::Abs(own.cosine), size), hn::Set(d, kFacing));
   if (hn::AllTrue(d, faces)) return overlap;
@@ -122,7 +122,7 @@ HWY_INLINE Overlap overlapAt(const Block& block, std::size_t first, const Own& o
       hn::MulAdd(hn::Mul(variance, along), along,
                  hn::MulAdd(hn::Mul(own.variance, along_own), along_own, hn::Mul(rest, x2)));
   overlap.q = hn::IfThenElse(faces, overlap.q, hn::Div(q, det));
-  overlap.per_area = hn::IfThenElse(faces, overlap.per_area, hn::Div(one, hn::Sqrt(det)));
+  overlap.per_area = hn::IfThenElse(faces, overlap.per_area, hn::Div(size, hn::Sqrt(det)));
   return overlap;
 }
 
@@ -137,11 +137,12 @@ HWY_INLINE float totalOf(const V (&vectors)[kVectors]) {
   return sums[0];
 }
 
-/// Sums over all neighbours that count. `kernel(own, overlap, slope)` is the value of pairs, and
-/// adds to their slope; `far(q)` is where it counts for nothing.
+/// Sums over all neighbours that count. `kernel(own, overlap, slope)` is the value of pairs and
+/// sets their slope, both by weight; `far(q)` is where it counts for nothing.
+/// @param each  the values, or null
 template <class Kernel, class Far>
-HWY_INLINE PairSums sumOf(const PairsOf& pairs, float prefilter_m2, const Kernel& kernel,
-                          const Far& far) {
+HWY_INLINE PairSums sumOf(const PairsOf& pairs, float prefilter_m2, float* each,
+                          const Kernel& kernel, const Far& far) {
   const D d;
   const PairSurfel& surfel = pairs.surfels[pairs.surfel];
   const auto all = [&](const glm::vec3& v) HWY_ATTR {
@@ -157,46 +158,49 @@ HWY_INLINE PairSums sumOf(const PairsOf& pairs, float prefilter_m2, const Kernel
   std::uint64_t bits = pairs.sheet;
   Block blocks[2];  // the next one is taken early: vectors wait for what was stored piece by piece
   if (bits != 0) blocks[0].take(pairs, bits);
-  for (int b = 0; counted < std::popcount(pairs.sheet); ++b) {
+  for (std::size_t b = 0; counted < std::popcount(pairs.sheet); ++b) {
     const int left = std::popcount(bits);
     if (left > 0) blocks[(b + 1) % 2].take(pairs, bits);
     counted = std::popcount(pairs.sheet) - left;
     bool ends = true;
     for (std::size_t k = 0; k < kVectors; ++k) {
       const Overlap overlap = overlapAt(blocks[b % 2], k * hn::Lanes(d), own, prefilter);
-      covered[k] = hn::Add(covered[k], kernel(own, overlap, slope[k]));
+      V slope_of_pairs = hn::Zero(d);
+      const V value = kernel(own, overlap, slope_of_pairs);
+      if (each != nullptr) hn::StoreU(value, d, each + b * kBlock + k * hn::Lanes(d));
+      covered[k] = hn::MulAdd(overlap.weight, value, covered[k]);
+      slope[k] = hn::MulAdd(overlap.weight, slope_of_pairs, slope[k]);
       variance[k] = hn::Add(variance[k], overlap.sum);
       ends = ends && hn::AllTrue(d, far(overlap.q));
     }
     if (ends) break;
   }
-  return {totalOf(covered), totalOf(slope), totalOf(variance), static_cast<float>(counted)};
+  return {totalOf(covered), totalOf(slope), totalOf(variance), static_cast<float>(counted), 0.0f};
 }
 
 }  // namespace
 
-PairSums sumGaussianPairs(const PairsOf& pairs) {
+PairSums sumGaussianPairs(const PairsOf& pairs, float* each) {
   const D d;
   constexpr float kPerCircle = 0.5f * std::numbers::inv_pi_v<float>;
   return sumOf(
-      pairs, 0.0f,
+      pairs, 0.0f, each,
       [&](const Own&, const Overlap& overlap, V& slope) HWY_ATTR {
         const V half_q = hn::Mul(hn::Set(d, 0.5f), overlap.q);
-        const V kernel = hn::Mul(hn::Mul(hn::Set(d, kPerCircle), overlap.weight),
-                                 hn::Mul(overlap.per_area, hn::Exp(d, hn::Neg(half_q))));
-        slope =
-            hn::MulAdd(kernel, hn::Mul(hn::Sub(half_q, hn::Set(d, 1.0f)), overlap.per_sum), slope);
+        const V kernel =
+            hn::Mul(hn::Mul(hn::Set(d, kPerCircle), overlap.per_area), hn::Exp(d, hn::Neg(half_q)));
+        slope = hn::Mul(kernel, hn::Mul(hn::Sub(half_q, hn::Set(d, 1.0f)), overlap.per_sum));
         return kernel;
       },
       [&](V q) HWY_ATTR { return hn::Gt(q, hn::Set(d, kFarthest)); });
 }
 
-PairSums sumRenderedPairs(const PairsOf& pairs, float prefilter_m2) {
+PairSums sumRenderedPairs(const PairsOf& pairs, float prefilter_m2, float* each) {
   const D d;
   const hn::RebindToSigned<D> di;
   const KernelOverlap& table = KernelOverlap::table();
   return sumOf(
-      pairs, prefilter_m2,
+      pairs, prefilter_m2, each,
       [&](const Own& own, const Overlap& overlap, V&) HWY_ATTR {
         const V other = overlap.variance;
         const V ratio =
@@ -220,7 +224,7 @@ PairSums sumRenderedPairs(const PairsOf& pairs, float prefilter_m2) {
         };
         const V low = along_row(values), high = along_row(values + KernelOverlap::kColumns);
         const V kernel = hn::MulAdd(s, hn::Sub(high, low), low);
-        return hn::IfThenElseZero(meet, hn::Mul(overlap.weight, hn::Mul(overlap.per_area, kernel)));
+        return hn::IfThenElseZero(meet, hn::Mul(overlap.per_area, kernel));
       },
       [&](V q) HWY_ATTR { return hn::Ge(q, hn::Set(d, 16.0f)); });
 }
@@ -240,27 +244,27 @@ namespace {
 /// The pair of the surfel with itself, in closed form: its foreshortening cancels.
 PairSums withItself(const PairSurfel& surfel, float prefilter_m2, float peak) {
   const float sum = 2.0f * (surfel.variance_m2 + prefilter_m2);
-  const float kernel = peak * surfel.weight_m2 / sum;
-  return {kernel, -kernel / sum, sum, 1.0f};
+  const float own = peak / sum, kernel = surfel.weight_m2 * own;
+  return {kernel, -kernel / sum, sum, 1.0f, own};
 }
 
 PairSums total(const PairSums& a, const PairSums& b) {
   return {a.covered + b.covered, a.slope_per_v + b.slope_per_v, a.variance_m2 + b.variance_m2,
-          a.pairs + b.pairs};
+          a.pairs + b.pairs, a.own + b.own};
 }
 
 }  // namespace
 
-PairSums gaussianPairs(const PairsOf& pairs) {
+PairSums gaussianPairs(const PairsOf& pairs, float* each) {
   constexpr float kPeak = 0.5f * std::numbers::inv_pi_v<float>;
   return total(withItself(pairs.surfels[pairs.surfel], 0.0f, kPeak),
-               HWY_DYNAMIC_DISPATCH(sumGaussianPairs)(pairs));
+               HWY_DYNAMIC_DISPATCH(sumGaussianPairs)(pairs, each));
 }
 
-PairSums renderedPairs(const PairsOf& pairs, float prefilter_m2) {
+PairSums renderedPairs(const PairsOf& pairs, float prefilter_m2, float* each) {
   constexpr float kPeak = 0.45f * std::numbers::inv_pi_v<float>;  // int K_v(x)^2 dx, times 2 v
   return total(withItself(pairs.surfels[pairs.surfel], prefilter_m2, kPeak),
-               HWY_DYNAMIC_DISPATCH(sumRenderedPairs)(pairs, prefilter_m2));
+               HWY_DYNAMIC_DISPATCH(sumRenderedPairs)(pairs, prefilter_m2, each));
 }
 
 }  // namespace foci

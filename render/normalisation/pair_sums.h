@@ -32,13 +32,19 @@ struct PairSums {
   float slope_per_v;  ///< sum_j w_j dK/dv, 1/m^2; of Gaussians
   float variance_m2;  ///< sum_j v
   float pairs;        ///< that these are
+  float own;          ///< K of the surfel with itself, 1/m^2
 };
 
+/// Neighbours are summed in blocks of so many.
+inline constexpr std::size_t kPairBlock = 16;
+
 /// K is the Gaussian of variance v, and dK/dv = K (d^2 / (2 v^2) - 1/v) at the distance d.
-PairSums gaussianPairs(const PairsOf& pairs);
+/// @param each  null, or gets K of each of the `pairs` - 1 neighbours, foreshortened, 1/m^2; has
+///              place for those that count and for the rest of the last block
+PairSums gaussianPairs(const PairsOf& pairs, float* each = nullptr);
 
 /// K is the overlap of two rendered kernels (kernel_overlap.h).
 /// @param prefilter_m2  added to the variance of each kernel, >= 0
-PairSums renderedPairs(const PairsOf& pairs, float prefilter_m2);
+PairSums renderedPairs(const PairsOf& pairs, float prefilter_m2, float* each = nullptr);
 
 }  // namespace foci
