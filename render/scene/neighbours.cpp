@@ -47,16 +47,18 @@ class Nearest {
  public:
   using DistanceType = float;
   using IndexType = std::uint32_t;
-  Nearest(std::size_t k, std::uint32_t self) : k_(k), self_(self) {}
+  /// @param within2  squared distance within which there are k
+  Nearest(std::size_t k, std::uint32_t self, float within2)
+      : k_(k), self_(self), within2_(within2) {}
 
   std::size_t size() const { return count_; }
   bool full() const { return count_ == k_; }
   float worstDist() const {
-    if (!full()) return std::numeric_limits<float>::max();
+    if (!full()) return within2_;
     return furthest2_ > 0.0f ? furthest2_ : -1.0f;
   }
   bool addPoint(float distance2, std::uint32_t index) {
-    if (index == self_ || (full() && distance2 >= furthest2_)) return true;
+    if (index == self_ || (full() ? distance2 >= furthest2_ : distance2 > within2_)) return true;
     std::size_t at = full() ? k_ - 1 : count_++;
     for (; at > 0 && distance2_[at - 1] > distance2; --at) {
       distance2_[at] = distance2_[at - 1];
@@ -76,7 +78,7 @@ class Nearest {
  private:
   std::size_t k_, count_ = 0;
   std::uint32_t self_;
-  float furthest2_ = 0.0f;
+  float within2_, furthest2_ = 0.0f;
   std::array<float, kMaxNeighbours> distance2_{};
   std::array<std::uint32_t, kMaxNeighbours> index_{};
 };
@@ -117,12 +119,25 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wan
   Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
   found.index.resize(position_m.size() * found.k);
   found.reach_m.resize(position_m.size());
-  // In the tree's order, consecutive queries read the same memory.
-  parallelFor(position_m.size(), [&](std::size_t at) {
-    const std::uint32_t i = orderOf(tree)[at];
-    Nearest nearest(found.k, i);
-    tree.findNeighbors(nearest, &position_m[i].x, {});
-    nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
+  // In the tree's order, consecutive queries read the same memory, and what one of them finds is
+  // near the next one, too.
+  constexpr std::size_t kBlock = 256;
+  parallelFor((position_m.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    float within2 = std::numeric_limits<float>::max();
+    for (std::size_t at = block * kBlock; at < std::min(position_m.size(), (block + 1) * kBlock);
+         ++at) {
+      const std::uint32_t i = orderOf(tree)[at];
+      if (at != block * kBlock) {
+        constexpr float kRounding = 1.0001f;
+        const std::uint32_t last = orderOf(tree)[at - 1];
+        const float within_m =
+            kRounding * (found.reach_m[last] + glm::distance(position_m[i], position_m[last]));
+        within2 = within_m * within_m;
+      }
+      Nearest nearest(found.k, i, within2);
+      tree.findNeighbors(nearest, &position_m[i].x, {});
+      nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
+    }
   });
   return found;
 }

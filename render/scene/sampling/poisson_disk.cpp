@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -15,7 +14,9 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kRounds = 12;   // with a dart for each point that is wanted
+constexpr std::size_t kRounds = 12;  // with a dart for each point that is wanted
+/// The first round of each stage; so many darts of a stage are thrown at once.
+constexpr std::array<std::size_t, 4> kStages = {0, 1, 3, kRounds};
 constexpr double kMostPoints = 3.0;   // times the points wanted; slivers would take all darts
 constexpr float kFacingAway = -0.5f;  // cosine of normals
 constexpr std::size_t kBlock = 1024;  // darts of a task
@@ -69,21 +70,22 @@ struct Dart {
   glm::dvec3 p_m;
   glm::vec3 normal;
   MeshPoint point;
+  std::uint32_t round;
   std::uint64_t priority;  ///< the smallest one goes first
 };
 
-/// Darts by cells twice as wide as their smallest distance. Cells share hashed lists.
+/// Darts by cells twice as wide as their smallest distance. Cubes of 4 x 4 x 4 cells share hashed
+/// pages of lists, so that cells near each other are near in memory.
 class Grid {
  public:
   Grid(std::size_t expected, double distance_m)
-      : distance_m_(distance_m), heads_(std::bit_ceil(expected), kNone) {
+      : distance_m_(distance_m), heads_(std::bit_ceil(std::max(expected, kPage)), kNone) {
     entries_.reserve(expected);
   }
 
   /// Darts are numbered in the order in which they are added.
   void add(const Dart& dart) {
-    const Cell cell = cellOf(placeOf(dart));
-    std::uint32_t& head = heads_[slotOf(cell.x, rowOf(cell.y, cell.z))];
+    std::uint32_t& head = heads_[slotOf(cellOf(placeOf(dart)))];
     entries_.push_back({dart.p_m, dart.normal, head});
     head = static_cast<std::uint32_t>(entries_.size() - 1);
   }
@@ -104,13 +106,12 @@ class Grid {
     const glm::dvec3 place = placeOf(dart);
     const Cell cell = cellOf(place), low = cellOf(place - 0.5);
     const Cell other = low + low + Cell(1) - cell;  // the neighbour in reach, on each axis
-    for (int k = 0; k < 4; ++k) {                   // its own row first
-      const std::uint64_t row =
-          rowOf((k & 1) != 0 ? other.y : cell.y, (k & 2) != 0 ? other.z : cell.z);
-      for (const std::int64_t x : {cell.x, other.x}) {
-        for (std::uint32_t i = heads_[slotOf(x, row)]; i != kNone; i = entries_[i].next) {
-          if (isNear(dart, i) && body(i)) return true;
-        }
+    for (int k = 0; k < 8; ++k) {                   // its own cell first
+      const std::size_t slot =
+          slotOf({(k & 1) != 0 ? other.x : cell.x, (k & 2) != 0 ? other.y : cell.y,
+                  (k & 4) != 0 ? other.z : cell.z});
+      for (std::uint32_t i = heads_[slot]; i != kNone; i = entries_[i].next) {
+        if (isNear(dart, i) && body(i)) return true;
       }
     }
     return false;
@@ -127,13 +128,14 @@ class Grid {
   glm::dvec3 placeOf(const Dart& dart) const { return dart.p_m * (0.5 / distance_m_); }
   static Cell cellOf(const glm::dvec3& place) { return Cell(glm::floor(place)); }
 
-  static std::uint64_t rowOf(std::int64_t y, std::int64_t z) {
-    return randomBits(static_cast<std::uint64_t>(y) * 0xd6e8feb86659fd93 +
-                      static_cast<std::uint64_t>(z));
-  }
-  /// Neighbours along x have neighbouring slots.
-  std::size_t slotOf(std::int64_t x, std::uint64_t row) const {
-    return (row + static_cast<std::uint64_t>(x)) & (heads_.size() - 1);
+  static constexpr std::size_t kPage = 64;  // lists
+
+  std::size_t slotOf(const Cell& cell) const {
+    const glm::vec<3, std::uint64_t> cube(cell >> std::int64_t{2}), in_cube(cell & std::int64_t{3});
+    const std::uint64_t hash =
+        (cube.x * 0xd6e8feb86659fd93 + cube.y * 0xa0761d6478bd642f + cube.z) * 0x9e3779b97f4a7c15;
+    return ((hash >> 26) * kPage + in_cube.x + 4 * in_cube.y + 16 * in_cube.z) &
+           (heads_.size() - 1);
   }
 
   double distance_m_;
@@ -149,41 +151,57 @@ class Thrower {
 
   double area_m2() const { return sums_m2_.empty() ? 0.0 : sums_m2_.back(); }
 
-  /// The darts of a round that meet no accepted one, in order of the triangles.
-  /// @param accepted  those of the rounds before, and more
+  /// The darts of some rounds that meet no accepted one, by round, in order of the triangles. Those
+  /// of a share are tested together, because they meet the same accepted ones.
+  /// @param accepted  those of the rounds before
   /// @param count     shares, the same in each round
-  std::vector<Dart> freeDarts(const Grid& accepted, std::size_t round, std::size_t count) {
-    met_.resize(count, {kNone, kNone});
+  std::vector<std::vector<Dart>> freeDarts(const Grid& accepted, std::size_t from, std::size_t to,
+                                           std::size_t count) const {
     std::vector<std::vector<Dart>> blocks((count + kBlock - 1) / kBlock);
     parallelFor(blocks.size(), [&](std::size_t b) {
-      const std::size_t end = std::min(count, (b + 1) * kBlock);
-      auto triangle = sums_m2_.end();
-      for (std::size_t k = b * kBlock; k < end; ++k) {
-        const std::uint64_t number = 2 * (std::uint64_t{round} * count + k);
-        const double jitter = static_cast<double>(randomBits(number) >> 11) * 0x1p-53;
-        const double at_m2 =
-            (static_cast<double>(k) + jitter) / static_cast<double>(count) * area_m2();
-        if (k == b * kBlock) triangle = std::upper_bound(sums_m2_.begin(), sums_m2_.end(), at_m2);
-        while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
-        if (triangle == sums_m2_.end()) break;  // by rounding
-        Dart dart = dartAt(static_cast<std::size_t>(triangle - sums_m2_.begin()), at_m2);
-        if (meets(dart, accepted, met_[k])) continue;
-        dart.priority = randomBits(number + 1);
-        blocks[b].push_back(dart);
+      const std::size_t first = b * kBlock, end = std::min(count, first + kBlock);
+      const auto upTo_m2 = [&](std::size_t share, double jitter) {
+        return (static_cast<double>(share) + jitter) / static_cast<double>(count) * area_m2();
+      };
+      auto low = std::upper_bound(sums_m2_.begin(), sums_m2_.end(), upTo_m2(first, 0.0));
+      Corners corners;
+      for (std::size_t k = first; k < end; ++k) {
+        while (low != sums_m2_.end() && *low <= upTo_m2(k, 0.0)) ++low;
+        Met met = {kNone, kNone};
+        for (std::size_t round = from; round < to; ++round) {
+          const std::uint64_t number = 2 * (std::uint64_t{round} * count + k);
+          const double at_m2 = upTo_m2(k, static_cast<double>(randomBits(number) >> 11) * 0x1p-53);
+          auto triangle = low;
+          while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
+          if (triangle == sums_m2_.end()) continue;  // by rounding
+          const auto t = static_cast<std::uint32_t>(triangle - sums_m2_.begin());
+          if (t != corners.triangle) corners = cornersOf(t);
+          Dart dart = dartAt(corners, at_m2);
+          if (meets(dart, accepted, met)) continue;
+          dart.round = static_cast<std::uint32_t>(round);
+          dart.priority = randomBits(number + 1);
+          blocks[b].push_back(dart);
+        }
       }
     });
-    std::size_t total = 0;
-    for (const auto& block : blocks) total += block.size();
-    std::vector<Dart> darts;
-    darts.reserve(total);
-    for (const auto& block : blocks) darts.insert(darts.end(), block.begin(), block.end());
-    return darts;
+    std::vector<std::vector<Dart>> rounds(to - from);
+    for (const std::vector<Dart>& block : blocks) {
+      for (const Dart& dart : block) rounds[dart.round - from].push_back(dart);
+    }
+    return rounds;
   }
 
  private:
   /// The accepted darts that a share's last ones met. A share is small, so its next dart mostly
   /// meets one of them, too.
   using Met = std::array<std::uint32_t, 2>;
+
+  struct Corners {
+    std::uint32_t triangle = kNone;
+    glm::dvec3 a_m{0.0}, ab_m{0.0}, ac_m{0.0};
+    glm::vec3 normal{0.0f};
+    double before_m2 = 0.0, own_m2 = 0.0;  // areas
+  };
 
   static bool meets(const Dart& dart, const Grid& accepted, Met& met) {
     for (const std::uint32_t i : met) {
@@ -195,54 +213,90 @@ class Thrower {
     });
   }
 
-  Dart dartAt(std::size_t triangle, double at_m2) const {
+  Corners cornersOf(std::uint32_t triangle) const {
+    const std::size_t first = 3 * std::size_t{triangle};
+    const glm::dvec3 a = corners_m_[first], ab = glm::dvec3(corners_m_[first + 1]) - a,
+                     ac = glm::dvec3(corners_m_[first + 2]) - a;
     const double before_m2 = triangle == 0 ? 0.0 : sums_m2_[triangle - 1];
-    const glm::dvec2 weights = weightsAt((at_m2 - before_m2) / (sums_m2_[triangle] - before_m2));
-    const glm::dvec3 a = corners_m_[3 * triangle];
-    const glm::dvec3 ab = glm::dvec3(corners_m_[3 * triangle + 1]) - a;
-    const glm::dvec3 ac = glm::dvec3(corners_m_[3 * triangle + 2]) - a;
-    return {a + weights.x * ab + weights.y * ac,
+    return {triangle,
+            a,
+            ab,
+            ac,
             glm::vec3(glm::normalize(glm::cross(ab, ac))),
-            {static_cast<std::uint32_t>(triangle), glm::vec2(weights)},
+            before_m2,
+            sums_m2_[triangle] - before_m2};
+  }
+
+  static Dart dartAt(const Corners& corners, double at_m2) {
+    const glm::dvec2 weights = weightsAt((at_m2 - corners.before_m2) / corners.own_m2);
+    return {corners.a_m + weights.x * corners.ab_m + weights.y * corners.ac_m,
+            corners.normal,
+            {corners.triangle, glm::vec2(weights)},
+            0,
             0};
   }
 
   const std::vector<glm::vec3>& corners_m_;
   std::vector<double> sums_m2_;
-  std::vector<Met> met_;  ///< by share
 };
 
-/// The darts that dart throwing accepts if it takes them by their priority: a dart is accepted if
-/// no accepted one is too near. All darts that nobody near precedes are accepted at a time
-/// (Blelloch et al. 2012), in few turns.
-std::vector<Dart> acceptedOf(const std::vector<Dart>& darts, double distance_m) {
+/// Keeps the darts that meet no accepted one.
+void keepFree(std::vector<Dart>& darts, const Grid& accepted) {
+  std::vector<std::uint8_t> meets(darts.size());
+  parallelFor(darts.size(), [&](std::size_t i) {
+    meets[i] = accepted.anyNear(darts[i], [](std::uint32_t) { return true; });
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < darts.size(); ++i) {
+    if (meets[i] == 0) darts[kept++] = darts[i];
+  }
+  darts.resize(kept);
+}
+
+/// Keeps the darts that dart throwing accepts if it takes them by their priority: a dart is
+/// accepted if no accepted one is too near. All darts that nobody open and near precedes are
+/// decided at a time (Blelloch et al. 2012), in few turns.
+void keepAccepted(std::vector<Dart>& darts, double distance_m) {
   Grid grid(darts.size(), distance_m);
   for (const Dart& dart : darts) grid.add(dart);
-  std::vector<std::uint8_t> accepted(darts.size(), 0), rejected(darts.size(), 0);
-  std::vector<std::uint32_t> open(darts.size());
-  std::iota(open.begin(), open.end(), 0u);
-  while (!open.empty()) {
-    parallelFor(open.size(), [&](std::size_t k) {
-      const std::uint32_t i = open[k];
-      accepted[i] = !grid.anyNear(darts[i], [&](std::uint32_t j) {
-        return rejected[j] == 0 && darts[j].priority < darts[i].priority;
-      });
-    });
-    parallelFor(open.size(), [&](std::size_t k) {
-      const std::uint32_t i = open[k];
-      if (accepted[i] == 0) return;
+  // Near darts that precede each one, block by block.
+  struct Preceding {
+    std::vector<std::uint32_t> darts, end;
+  };
+  std::vector<Preceding> blocks((darts.size() + kBlock - 1) / kBlock);
+  parallelFor(blocks.size(), [&](std::size_t b) {
+    for (std::size_t i = b * kBlock; i < std::min(darts.size(), (b + 1) * kBlock); ++i) {
       grid.anyNear(darts[i], [&](std::uint32_t j) {
-        if (j != i) std::atomic_ref(rejected[j]).store(1, std::memory_order_relaxed);
+        if (darts[j].priority < darts[i].priority) blocks[b].darts.push_back(j);
         return false;
       });
+      blocks[b].end.push_back(static_cast<std::uint32_t>(blocks[b].darts.size()));
+    }
+  });
+  enum : std::uint8_t { open, accepted, rejected };
+  std::vector<std::uint8_t> state(darts.size(), open);
+  std::vector<std::uint32_t> left(darts.size());
+  std::iota(left.begin(), left.end(), 0u);
+  for (std::vector<std::uint8_t> next; !left.empty();) {
+    next.assign(left.size(), accepted);
+    parallelFor(left.size(), [&](std::size_t k) {
+      const Preceding& block = blocks[left[k] / kBlock];
+      const std::size_t in_block = left[k] % kBlock;
+      for (std::size_t n = in_block == 0 ? 0 : block.end[in_block - 1]; n < block.end[in_block];
+           ++n) {
+        const std::uint8_t other = state[block.darts[n]];
+        if (other == accepted) next[k] = rejected;
+        if (other == open && next[k] == accepted) next[k] = open;
+      }
     });
-    std::erase_if(open, [&](std::uint32_t i) { return (accepted[i] | rejected[i]) != 0; });
+    for (std::size_t k = 0; k < left.size(); ++k) state[left[k]] = next[k];
+    std::erase_if(left, [&](std::uint32_t i) { return state[i] != open; });
   }
-  std::vector<Dart> kept;
+  std::size_t kept = 0;
   for (std::size_t i = 0; i < darts.size(); ++i) {
-    if (accepted[i] != 0) kept.push_back(darts[i]);
+    if (state[i] == accepted) darts[kept++] = darts[i];
   }
-  return kept;
+  darts.resize(kept);
 }
 
 }  // namespace
@@ -254,7 +308,7 @@ double areaOf_m2(const std::vector<glm::vec3>& corners_m) {
 
 std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, double spacing_m) {
   assert(spacing_m > 0.0);
-  Thrower thrower(corners_m);
+  const Thrower thrower(corners_m);
   if (!(thrower.area_m2() > 0.0)) return {};
   const double wanted = std::ceil(thrower.area_m2() / (spacing_m * spacing_m));
   assert(wanted <= 1e8);
@@ -263,14 +317,19 @@ std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, doub
   const double distance_m = kPoissonDistance * spacing_m;
   Grid grid(count, distance_m);
   std::vector<MeshPoint> points;
-  for (std::size_t round = 0; round < kRounds; ++round) {
-    std::vector<Dart> darts = acceptedOf(thrower.freeDarts(grid, round, count), distance_m);
-    for (const Dart& dart : darts) grid.add(dart);
-    parallelSort(darts.begin(), darts.end(),
-                 [](const Dart& a, const Dart& b) { return a.priority < b.priority; });
-    for (const Dart& dart : darts) {
-      if (static_cast<double>(points.size()) >= kMostPoints * wanted) return points;
-      points.push_back(dart.point);
+  for (std::size_t stage = 0; stage + 1 < kStages.size(); ++stage) {
+    std::vector<std::vector<Dart>> rounds =
+        thrower.freeDarts(grid, kStages[stage], kStages[stage + 1], count);
+    for (std::vector<Dart>& darts : rounds) {
+      if (&darts != rounds.data()) keepFree(darts, grid);
+      keepAccepted(darts, distance_m);
+      for (const Dart& dart : darts) grid.add(dart);
+      parallelSort(darts.begin(), darts.end(),
+                   [](const Dart& a, const Dart& b) { return a.priority < b.priority; });
+      for (const Dart& dart : darts) {
+        if (static_cast<double>(points.size()) >= kMostPoints * wanted) return points;
+        points.push_back(dart.point);
+      }
     }
   }
   return points;
