@@ -15,6 +15,15 @@ inline std::string textOf(const std::filesystem::path& file) {
   return text.str();
 }
 
+/// A cache folder for tests: a file lies where foci would keep scenes, so that no test finds what
+/// another one kept. Drivers may keep their shaders there.
+inline std::filesystem::path cacheWithoutScenes() {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "foci_test_cache";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "foci", std::ios::app);
+  return folder;
+}
+
 /// A folder of its own for a test, removed with it.
 class TemporaryFolder {
  public:

@@ -15,6 +15,7 @@
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/version.h"
+#include "app/study/scene_cache.h"
 #include "app/window/display.h"
 #include "base/text.h"
 #include "gaze/webcam/face_networks.h"
@@ -67,6 +68,14 @@ Json webcamModelsJson() {
   Json json = {{"folder", FaceNetworks::folder().string()}, {"missing", FaceNetworks::missing()}};
   if (!json["missing"].empty()) json["install"] = "sh app/webcam_models.sh";
   return json;
+}
+
+/// The scenes that were opened before.
+Json cacheJson() {
+  const auto folder = SceneCache::userFolder();
+  if (!folder) return nullptr;
+  const SceneCache::Content content = SceneCache(*folder).content();
+  return {{"folder", folder->string()}, {"scenes", content.entries}, {"bytes", content.bytes}};
 }
 
 #ifdef FOCI_PUPIL
@@ -154,6 +163,7 @@ Json examine(const std::string& pupil) {
       {"cameras", camerasJson()},
       {"webcam_models", webcamModelsJson()},
       {"trackers", trackersJson(pupil)},
+      {"cache", cacheJson()},
       {"packages", packagesJson()}};
 }
 
@@ -213,6 +223,12 @@ void printDoctorText(const Json& facts) {
   for (const Json& tracker : facts["trackers"]) {
     printFact("tracker", textOfJson(tracker["name"]) + " at " + textOfJson(tracker["place"]) +
                              (tracker["answers"].get<bool>() ? ": answers" : ": no answer"));
+  }
+  const Json& cache = facts["cache"];
+  if (!cache.is_null()) {
+    printFact("cache", counted(cache["scenes"].get<std::size_t>(), "scene") + ", " +
+                           std::to_string(cache["bytes"].get<std::uint64_t>() >> 20) + " MiB in " +
+                           textOfJson(cache["folder"]));
   }
   const Json& packages = facts["packages"];
   if (packages.contains("problem")) {

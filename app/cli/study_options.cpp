@@ -101,6 +101,8 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
       ->allow_extra_args(false);
   addThreadsOption(command, options.threads,
                    "max number of threads; the frames do not depend on it");
+  command.add_flag("--no-cache", options.no_cache,
+                   "sample meshes and scans anew; the frames are the same");
   command.add_flag("--json", options.json, "print the summary as JSON");
 }
 
@@ -184,6 +186,7 @@ StudyAsked studyOf(const StudyOptions& options) {
   override("output.view", options.view, "--view");
   if (options.marker) study.output.marker = true;
   if (options.split) study.output.split = true;
+  if (options.no_cache) study.scene.cache = false;
   for (const std::string& assignment : options.set) setKeyByOption(study, assignment);
   std::string framing;
   std::optional<SceneFile> scene;

@@ -21,7 +21,7 @@ struct StudyOptions {
   std::string study{}, scene{}, trace{}, screen{}, gaze_map{}, camera{}, size{}, seconds{},
       method{}, device{}, pupil{}, threads{}, view{}, look{}, up{}, write_study{};
   std::vector<std::string> set{};  ///< KEY=VALUE each
-  bool json = false, marker = false, split = false;
+  bool json = false, marker = false, split = false, no_cache = false;
 };
 
 void addStudyOptions(CLI::App& command, StudyOptions& options);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
+#include "app/study/scene_cache.h"
 #include "app/study/scene_text.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/view_remarks.h"
@@ -134,13 +135,22 @@ void addRemarks(const std::filesystem::path& file, const OpenedScene& scene, War
 namespace {
 
 /// @param eye_m     in the frame of the file
+/// @param cached    whether surfels are kept for other runs
 /// @param fineness  of a streamed scene
-SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, Warnings& warnings,
-                   const Fineness& fineness = {}) {
+SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, bool cached,
+                   Warnings& warnings, const Fineness& fineness = {}) {
   const std::filesystem::path path = file.path;
-  OpenedScene scene = openScene(std::move(file), scale_m, eye_m, fineness);
+  const auto folder = cached ? SceneCache::userFolder() : std::nullopt;
+  SurfelStore store;
+  if (folder) {
+    store = [cache = SceneCache(*folder)](const SurfelSource& source, const auto& make) {
+      return cache.surfelsOf(source, make);
+    };
+  }
+  OpenedScene scene = openScene(std::move(file), scale_m, eye_m, fineness, store);
   addRemarks(path, scene, warnings);
-  return std::move(scene.cloud);
+  // The order of their tree, which those of the cache have.
+  return scene.cloud.gaussians ? std::move(scene.cloud) : withTree(std::move(scene.cloud));
 }
 
 glm::vec3 startOfEye_m(const Study& study) {
@@ -169,8 +179,8 @@ Fineness finenessOf(const Study& study) {
 
 SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file, Warnings& warnings) {
   if (!file) file = readScene(*study.scene.file);
-  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), warnings,
-                finenessOf(study));
+  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), study.scene.cache,
+                warnings, finenessOf(study));
 }
 
 SurfelCloud withParts(const Study& study, SurfelCloud scene, Warnings& warnings) {
@@ -190,7 +200,8 @@ SurfelCloud withParts(const Study& study, SurfelCloud scene, Warnings& warnings)
                                                 static_cast<float>(q.y), static_cast<float>(q.z))};
     const glm::vec3 eye_m =
         glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
-    SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m, warnings);
+    SurfelCloud cloud =
+        opened(readScene(part.file), part.scale_m, eye_m, study.scene.cache, warnings);
     if (!scene.gaussians) captured = part.file.string();
     if (const auto remark = lowPassRemark(scene, captured, cloud, part.file.string())) {
       warnings.add(study.file.string(), *remark);

@@ -109,6 +109,10 @@ const std::vector<Key<Study>>& studyKeys() {
                {.words = {"gallery", "plane"}}),
       FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file",
                {kMinScale_m, kMaxScale_m}),
+      FOCI_KEY(
+          scene.cache, "scene.cache",
+          "keep the surfels of meshes and scans in the user's cache folder; the frames are the "
+          "same"),
       FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
       FOCI_KEY(scene.objects, "scene.object",
                "boxes { name, center_m, size_m } and spheres { name, center_m, radius_m } that "

@@ -29,6 +29,7 @@ bool enter(const Fault& fault, const fs::path& folder, const fs::path& out, cons
   alarm(fault.max_s);
   constexpr uid_t kNobody = 65534;
   if (fault.as_nobody && getuid() == 0 && setuid(kNobody) != 0) return false;
+  setenv("XDG_CACHE_HOME", cacheWithoutScenes().c_str(), 1);
   for (const std::string& variable : fault.environment) {
     putenv(const_cast<char*>(variable.c_str()));
   }

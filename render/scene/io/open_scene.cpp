@@ -1,5 +1,6 @@
 #include "render/scene/io/open_scene.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -30,6 +31,19 @@ SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
     cloud.gaussians = gaussians;
   }
   return std::move(cloud);
+}
+
+/// In metres.
+std::shared_ptr<const TriangleMesh> scaledMesh(MeshFile&& file, float factor) {
+  const auto mesh = std::make_shared<TriangleMesh>(std::move(file.mesh));
+  scale(mesh->corners_m, factor);
+  return mesh;
+}
+
+/// Whether a point's normal has to be estimated.
+bool lacksNormals(const PointCloud& points) {
+  return points.normal.empty() ||
+         std::ranges::find(points.normal, glm::vec3(0.0f)) != points.normal.end();
 }
 
 }  // namespace
@@ -70,8 +84,7 @@ SceneFile readScene(const std::filesystem::path& given, std::uint64_t checked_B)
 OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling) {
   const auto factor = static_cast<float>(scale_m);
   if (auto* const read = std::get_if<MeshFile>(&file.content)) {
-    const auto mesh = std::make_shared<TriangleMesh>(std::move(read->mesh));
-    scale(mesh->corners_m, factor);
+    auto mesh = scaledMesh(std::move(*read), factor);
     return {sampleMesh(*mesh, file.path, sampling), mesh};
   }
   if (std::holds_alternative<GaussianFile>(file.content) ||
@@ -88,7 +101,7 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
 }
 
 OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm::vec3>& viewpoint_m,
-                      const Fineness& fineness) {
+                      const Fineness& fineness, const SurfelStore& store) {
   if (const auto* const streamed = std::get_if<StreamedGaussians>(&file.content)) {
     const auto unit_m = static_cast<float>(scale_m);
     const Fineness in_file = [&](const glm::vec3& low, const glm::vec3& high) {
@@ -123,11 +136,25 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
     }
     return {std::move(cloud), gaussians->dropped, std::move(gaussians->remarks)};
   }
-  OpenedPoints opened = openPoints(std::move(file), scale_m);
-  const std::size_t dropped = opened.points.dropped;
-  std::vector<std::string> remarks = std::move(opened.points.remarks);
-  SurfelCloud cloud = surfelsFromPoints(std::move(opened.points), {.viewpoint_m = viewpoint_m});
-  cloud.mesh = std::move(opened.mesh);
+  const auto surfelsOf = [&](const SurfelSource& source, const std::function<SurfelCloud()>& make) {
+    return store ? store(source, make) : make();
+  };
+  if (auto* const read = std::get_if<MeshFile>(&file.content)) {
+    auto mesh = scaledMesh(std::move(*read), static_cast<float>(scale_m));
+    SurfelCloud cloud = surfelsOf({.mesh = mesh.get()}, [&] {
+      return surfelsFromPoints(sampleMesh(*mesh, file.path, {}), {.viewpoint_m = viewpoint_m});
+    });
+    std::vector<std::string> remarks = mesh->remarks;
+    cloud.mesh = std::move(mesh);
+    return {std::move(cloud), 0, std::move(remarks)};
+  }
+  PointCloud points = openPoints(std::move(file), scale_m).points;
+  const std::size_t dropped = points.dropped;
+  std::vector<std::string> remarks = std::move(points.remarks);
+  const SurfelSource source{.points = &points,
+                            .viewpoint_m = lacksNormals(points) ? viewpoint_m : std::nullopt};
+  SurfelCloud cloud = surfelsOf(
+      source, [&] { return surfelsFromPoints(std::move(points), {.viewpoint_m = viewpoint_m}); });
   return {std::move(cloud), dropped, std::move(remarks)};
 }
 

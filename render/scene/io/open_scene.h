@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
@@ -48,13 +49,25 @@ struct OpenedScene {
   std::vector<std::string> remarks = {};  ///< see `PointCloud`
 };
 
+/// All that the surfels of a mesh or of points depend on, in metres.
+struct SurfelSource {
+  const TriangleMesh* mesh = nullptr;  ///< or
+  const PointCloud* points = nullptr;
+  std::optional<glm::vec3> viewpoint_m = {};  ///< if normals have to be estimated
+};
+
+/// Takes surfels that were made before, or has them made.
+using SurfelStore = std::function<SurfelCloud(const SurfelSource& source,
+                                              const std::function<SurfelCloud()>& make)>;
+
 /// The surfels or Gaussians of a scene file.
 /// @param scale_m      metres a unit of the file, > 0
 /// @param viewpoint_m  estimated normals point towards this place
 /// @param fineness     of a streamed scene, in metres: see `StreamedGaussians::read`
+/// @param store        of the surfels of a mesh or of points; none: they are made
 /// @throws InputError naming the file and what is wrong with it
 OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm::vec3>& viewpoint_m,
-                      const Fineness& fineness = {});
+                      const Fineness& fineness = {}, const SurfelStore& store = {});
 
 /// Reads and opens it. @throws InputError as `readScene` and the above
 inline OpenedScene openScene(const std::filesystem::path& path, double scale_m,

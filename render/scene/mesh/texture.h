@@ -21,6 +21,9 @@ class MeshTexture {
 
   glm::vec2 size_px() const;
 
+  /// Linear RGBA, row by row.
+  const std::vector<std::array<std::uint16_t, 4>>& pixels() const { return levels_[0].pixels; }
+
   /// Linear RGB and alpha at `uv`; the origin is the lower left.
   /// @param footprint_px  side of the square to average over, in pixels of the image
   /// @param wrap          across u and v
