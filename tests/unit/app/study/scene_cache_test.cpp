@@ -4,9 +4,9 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <opencv2/core.hpp>
 
 #include "base/file.h"
+#include "base/image_codec.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/mesh/sample_mesh.h"
@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 [[maybe_unused]] const int kNoUserCache = setenv("XDG_CACHE_HOME", cacheWithoutScenes().c_str(), 1);
 
 std::shared_ptr<const MeshTexture> textureOf(unsigned char grey) {
-  return std::make_shared<MeshTexture>(cv::Mat(2, 2, CV_8UC1, cv::Scalar(grey)));
+  return std::make_shared<MeshTexture>(
+      DecodedImage{.columns = 2, .rows = 2, .rgba = std::vector<std::uint8_t>(16, grey)});
 }
 
 /// A textured square of two triangles.
