@@ -21,8 +21,11 @@ namespace fs = std::filesystem;
 [[maybe_unused]] const int kNoUserCache = setenv("XDG_CACHE_HOME", cacheWithoutScenes().c_str(), 1);
 
 std::shared_ptr<const MeshTexture> textureOf(unsigned char grey) {
-  return std::make_shared<MeshTexture>(
-      DecodedImage{.columns = 2, .rows = 2, .rgba = std::vector<std::uint8_t>(16, grey)});
+  DecodedImage image{.columns = 2, .rows = 2};
+  for (int pixel = 0; pixel < 4; ++pixel) {
+    image.rgba.insert(image.rgba.end(), {grey, grey, grey, 255});
+  }
+  return std::make_shared<MeshTexture>(image);
 }
 
 /// A textured square of two triangles.
