@@ -25,7 +25,7 @@ constexpr double kWhiteRatio = 1.0;
 
 /// Sums over the samples before each one.
 struct Sums {
-  double lost = 0.0, steps = 0.0, squared_steps = 0.0, present = 0.0, squares = 0.0;
+  double steps = 0.0, squared_steps = 0.0, present = 0.0, squares = 0.0;
   glm::dvec3 positions{0.0};
 };
 
@@ -102,7 +102,6 @@ class DoubtFinder {
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       Sums& next = sums_[i + 1] = sums_[i];
       if (!samples_[i].point_px) {
-        next.lost += in_long_loss_[i] ? 0.0 : 1.0;
         last.reset();
         continue;
       }
@@ -120,12 +119,14 @@ class DoubtFinder {
   }
 
   bool isMostlyLost(const Window& window, std::size_t i) const {
-    // A long loss ends what the window tells: its samples are labelled.
-    const auto cut = std::upper_bound(cuts_.begin(), cuts_.end(), i);
-    const std::size_t first = std::max(window.first, cut == cuts_.begin() ? 0 : *(cut - 1));
-    const double lost = sums_[window.end].lost - sums_[first].lost;
+    std::size_t first = window.first;
+    if (ahead_s_ < window.before_s) {
+      // The samples so far cannot tell whether gaze stays after a long loss.
+      const auto cut = std::upper_bound(cuts_.begin(), cuts_.end(), i);
+      if (cut != cuts_.begin()) first = std::max(first, *(cut - 1));
+    }
     const double present = sums_[window.end].present - sums_[first].present;
-    return lost > kMaxLoss * (lost + present);
+    return present < (1.0 - kMaxLoss) * static_cast<double>(window.end - first);
   }
 
   bool isWhite(const Window& window) const {

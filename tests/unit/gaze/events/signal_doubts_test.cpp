@@ -85,6 +85,17 @@ TEST(SignalDoubts, LeaveGoodGazeAlone) {
   }
 }
 
+TEST(SignalDoubts, ShortBurstsBetweenLongLossesAreUnjudged) {
+  GazeTrace trace = gazeAt(120.0);
+  for (GazeSample& sample : trace.samples) {
+    if (std::fmod(sample.time_s, 1.0) > 0.15) sample.point_px.reset();
+  }
+  const auto states = labelEvents(trace, kScreen).states;
+  for (std::size_t i = 60; i + 60 < states.size(); ++i) {
+    EXPECT_EQ(states[i], trace.samples[i].point_px ? GazeState::unjudged : GazeState::lost) << i;
+  }
+}
+
 TEST(SignalDoubts, OnlyTheFrozenStretchIsUnjudged) {
   GazeTrace trace = gazeAt(250.0);
   for (std::size_t i = 500; i < 1000; ++i) trace.samples[i].point_px = trace.samples[500].point_px;
