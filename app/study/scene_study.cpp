@@ -1,6 +1,8 @@
 #include "app/study/scene_study.h"
 
+#include "app/platform/shell_word.h"
 #include "app/study/study_text.h"
+#include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/scene_formats.h"
 #include "render/scene/mesh/triangle_mesh.h"
@@ -15,6 +17,11 @@ bool isPlain(const SceneFacts& facts) { return !facts.has_colors; }
 }  // namespace
 
 Study studyOfScene(const std::filesystem::path& scene) {
+  if (const auto kind = recordingKindOf(scene)) {
+    throw InputError(scene.string(), "is a recording (" + *kind +
+                                         "): expected a scene or a study, and --trace " +
+                                         shellWord(scene.string()));
+  }
   Study study;
   study.file = sceneFileIn(scene);
   study.scene.file = study.file;

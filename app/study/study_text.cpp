@@ -30,7 +30,7 @@ std::string tomlOf(const Json& json) {
   }
   if (!json.is_object()) return json.dump();
   for (const auto& [name, value] : json.items()) {
-    if (value.is_null()) continue;
+    if (value.is_null() || value == "") continue;
     text += (text.empty() ? "" : ", ") + (isBare(name) ? name : quotedText(name)) + " = " +
             tomlOf(value);
   }

@@ -114,6 +114,23 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   return header;
 }
 
+std::optional<std::string> recordingKindOf(const std::filesystem::path& file) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(file, unreadable)) return std::nullopt;
+  const RecordingFormat* const found = formatSoFar(RecordingFile(file, {}));
+  for (const auto& [format, name] : {std::pair(&kBids, "BIDS"),
+                                     {&kXdf, "XDF"},
+                                     {&kEyeLinkAsc, "EyeLink ASC"},
+                                     {&kEyeNavGs, "EyeNavGS"},
+                                     {&kHoloLens, "HoloLens 2"},
+                                     {&kAria, "Project Aria"},
+                                     {&kNeonNative, "Neon"},
+                                     {&kTobiiGlasses, "Tobii Pro Glasses"}}) {
+    if (found == format) return name;
+  }
+  return std::nullopt;
+}
+
 std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file) {
   const RecordingFormat* const format = formatSoFar(RecordingFile(file, {}));
   if (!format || !format->companions) return {};

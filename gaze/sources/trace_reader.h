@@ -218,6 +218,9 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
 /// The files beside a recording that are read with it: sidecars of BIDS, scene_setting.csv.
 std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file);
 
+/// "EyeLink ASC", "BIDS"; nothing for a plain table and for what is no recording.
+std::optional<std::string> recordingKindOf(const std::filesystem::path& file);
+
 /// The people of a table, or its recordings: each as `TraceColumns::rows` chooses it. Empty for a
 /// recording of one person, for another format, and for a file that cannot be read.
 std::vector<std::pair<std::string, std::string>> peopleOf(const std::filesystem::path& file,

@@ -67,6 +67,21 @@ class OneCommand : public testing::Test {
   const TemporaryFolder folder;
 };
 
+TEST_F(OneCommand, ARecordingInPlaceOfTheSceneIsNamed) {
+  folder.write("gaze.asc",
+               "** CONVERTED FROM gaze.edf\nSTART\t10\tLEFT\tSAMPLES\n10\t1\t2\t3\t...\n"
+               "12\t1\t2\t3\t...\nEND\t14\n");
+  folder.write("sub-1_physio.json",
+               R"({"Columns": ["timestamp", "x_coordinate", "y_coordinate"]})");
+  folder.write("sub-1_physio.tsv", "0\t1\t2\n0.01\t1\t2\n");
+  for (const std::string file : {"gaze.asc", "sub-1_physio.tsv"}) {
+    const Outcome outcome = runFoci({"replay", file, "--out", "out"}, folder.path());
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find("a recording"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("--trace"), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(OneCommand, AMeshOfAnySizeFillsTheImage) {
   for (const double side : {0.002, 1.0, 250.0}) {
     folder.write("cube.obj", cubeObj(side));

@@ -20,6 +20,8 @@ TEST(StudyText, AsTomlIsTheSameStudy) {
   study.observer.ipd_mm = 100.0 / 1.7;
   study.output.seconds = glm::dvec2(0.1, 1e5);
   study.scene.file = "/somewhere/with \"quotes\".ply";
+  study.trials = {{.name = "a", .first_s = 1.0, .last_s = 2.0},
+                  {.name = "b", .first_s = 2.0, .last_s = 3.0, .type = "near"}};
   const std::filesystem::path file = scratch.path() / "written.toml";
   std::ofstream(file, std::ios::binary) << studyToml(study);
   const auto before = resolvedKeys(study), after = resolvedKeys(readStudy(file));
