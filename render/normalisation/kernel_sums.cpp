@@ -140,27 +140,24 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
   const auto onBody = [&](std::size_t i) {
     return !cloud.bodies.of_surfel.empty() && cloud.bodies.of_surfel[i] != 0;
   };
+  std::vector<glm::vec3> normals(cloud.size());
+  parallelFor(cloud.size(), [&](std::size_t i) { normals[i] = normalOf(cloud, i); });
   std::vector<KernelSum> sums(at.size(), {0.0f, false});
   parallelFor(at.size(), [&](std::size_t k) {
-    const glm::vec3 normal = normalOf(cloud, at[k].beside);
+    const glm::vec3& normal = normals[at[k].beside];
     const glm::vec3 along_u = glm::normalize(cloud.axis_u_m[at[k].beside]);
     const glm::vec3 along_v = glm::normalize(cloud.axis_v_m[at[k].beside]);
     const float width = widthOf(at[k].beside), rendered = renderedOf(at[k].beside);
     std::vector<std::uint32_t> sheet;
     double area = 0.0;
     bool smooth = true;
-    std::vector<float> angles;
     for (const std::uint32_t j : around[k]) {
       const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
       const float off_plane = std::abs(glm::dot(d, normal));
-      float cosine = glm::dot(normalOf(cloud, j), normal);
+      float cosine = glm::dot(normals[j], normal);
       if (!onBody(at[k].beside) || !onBody(j)) cosine = std::abs(cosine);
       if (glm::dot(d, d) < kSmoothReach * kSmoothReach * rendered * rendered) {
         smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * rendered;
-      }
-      if (glm::dot(d, d) > kBorderReach * kBorderReach * rendered * rendered) {
-        angles.push_back(static_cast<float>(
-            std::atan2(double{glm::dot(d, along_v)}, double{glm::dot(d, along_u)})));
       }
       if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * width) continue;
       sheet.push_back(j);
@@ -175,6 +172,13 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
     float sum = 0.0f;
     for (const std::uint32_t j : sheet)
       sum += rendered_kernel.at(cloud, added_m2, j, at[k].p_world, along_u, along_v);
+    std::vector<float> angles;
+    for (const std::uint32_t j : around[k]) {
+      const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
+      if (!smooth || glm::dot(d, d) <= kBorderReach * kBorderReach * rendered * rendered) continue;
+      angles.push_back(static_cast<float>(
+          std::atan2(double{glm::dot(d, along_v)}, double{glm::dot(d, along_u)})));
+    }
     sums[k] = {sum, smooth && largestGap(angles) < kBorderGap};
   });
   std::erase_if(sums, [](const KernelSum& sum) { return sum.sum < 0.0f; });
