@@ -14,7 +14,7 @@ namespace foci {
 enum class KernelSolve {
   none,   ///< areas are spacing^2
   quick,  ///< solves areas
-  /// Solves areas and sizes, for an irregular sampling. Takes about fifteen times as long, and 350
+  /// Solves areas and sizes, for an irregular sampling. Takes about ten times as long, and 500
   /// bytes a surfel while it works; surfels become a third larger.
   thorough,
 };
