@@ -2,13 +2,12 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <thread>
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
 #include "app/platform/output_files.h"
-#include "base/image_header.h"
 #include "base/input_error.h"
 #include "base/quiet_stderr.h"
 #include "calibration/calibration_file.h"
@@ -56,13 +55,12 @@ struct Views {
 Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
   Views found;
   for (const std::string& file : files) {
-    // OpenCV would wait for ever at a pipe.
-    std::error_code ignored;
-    const bool exists = std::filesystem::is_regular_file(file, ignored);
-    if (exists) requireWholeImage(file);
-    const QuietStderr quiet;
-    const cv::Mat image = exists ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
-    if (image.empty()) throw InputError(file, "not an image that can be read");
+    cv::Mat image;
+    {
+      const QuietStderr quiet;
+      image = readPhotograph(file);
+    }
+    if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
     const glm::ivec2 size_px{image.cols, image.rows};
     if (found.size_px.x != 0 && size_px != found.size_px) {
       throw InputError(file,

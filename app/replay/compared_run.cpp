@@ -14,8 +14,9 @@ namespace foci {
 namespace {
 
 std::vector<Image> picturesOf(const std::filesystem::path& video, std::size_t frames) {
-  std::vector<Image> pictures;
   requireRegularFile(video);
+#ifdef FOCI_VIDEO
+  std::vector<Image> pictures;
   cv::VideoCapture capture(video.string());
   cv::Mat bgr;
   std::size_t next = 0;
@@ -31,6 +32,10 @@ std::vector<Image> picturesOf(const std::filesystem::path& video, std::size_t fr
     pictures.push_back(std::move(image));
   }
   return pictures;
+#else
+  throw InputError(video.string(), "this foci was built without videos (FOCI_VIDEO), where " +
+                                       std::to_string(frames) + " frames are");
+#endif
 }
 
 template <class Get>

@@ -6,38 +6,67 @@
 #include <fstream>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <regex>
 #include <vector>
 
+#include "base/image_codec.h"
 #include "base/image_header.h"
 #include "base/input_error.h"
+#include "base/mapped_file.h"
 #include "base/number.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
 
 namespace foci {
+
+#ifdef FOCI_VIDEO
+using VideoCapture = cv::VideoCapture;
+#else
+/// In place of OpenCV's.
+struct VideoCapture {
+  bool open(auto&&...) { return false; }
+  bool grab() { return false; }
+  bool retrieve(cv::Mat&) { return false; }
+  double get(int) const { return 0.0; }
+  static bool waitAny(auto&&...) { return false; }
+};
+#endif
+
 namespace {
 
 constexpr std::string_view kPrefix = "webcam";
 constexpr int kMinSide_px = 120, kMaxSide_px = 8192;
 constexpr int kMaxDevices = 64;
 
-/// 8 or 16 bits a channel, grey or colour; transparency is left out.
-cv::Mat readImage(const std::filesystem::path& file) {
-  requireRegularFile(file);
-  requireWholeImage(file);
-  cv::Mat read = cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
-  if (read.empty()) throw InputError(file.string(), "no image that can be read");
-  if (read.depth() == CV_8U) return read;
-  if (read.depth() != CV_16U) {
-    throw InputError(file.string(),
-                     "an image of numbers that are not whole: expected 8 or 16 bits");
-  }
-  cv::Mat image;
-  read.convertTo(image, CV_8U, 1.0 / 257.0);
-  return image;
+#ifdef FOCI_VIDEO
+constexpr const char* kLacking = "";
+
+bool isImage(const std::filesystem::path& file) { return cv::haveImageReader(file.string()); }
+
+cv::Mat decoded(const std::filesystem::path& file) {
+  return cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
 }
+#else
+constexpr const char* kLacking =
+    "; this foci was built for images alone: build it with cameras and videos (FOCI_VIDEO)";
+
+bool isImage(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  return statedImageSize(MappedFile(file).bytes()).has_value();
+}
+
+cv::Mat decoded(const std::filesystem::path& file) {
+  auto image = decodeImage(MappedFile(file).bytes());
+  if (!image) return {};
+  cv::Mat bgr;
+  cv::cvtColor(cv::Mat(image->rows, image->columns, CV_8UC4, image->rgba.data()), bgr,
+               cv::COLOR_RGBA2BGR);
+  return bgr;
+}
+#endif
 
 /// FFmpeg would take text for a film of a terminal.
 bool isText(const std::filesystem::path& file) {
@@ -65,8 +94,23 @@ class QuietLibrary {
 
 }  // namespace
 
+cv::Mat readPhotograph(const std::filesystem::path& file) {
+  requireRegularFile(file);
+  requireWholeImage(file);
+  cv::Mat read = decoded(file);
+  if (read.empty()) throw InputError(file.string(), "no image that can be read");
+  if (read.depth() == CV_8U) return read;
+  if (read.depth() != CV_16U) {
+    throw InputError(file.string(),
+                     "an image of numbers that are not whole: expected 8 or 16 bits");
+  }
+  cv::Mat image;
+  read.convertTo(image, CV_8U, 1.0 / 257.0);
+  return image;
+}
+
 struct WebcamFrames::Capture {
-  std::vector<cv::VideoCapture> captures{1};  // one; cv::VideoCapture::waitAny takes a vector
+  std::vector<VideoCapture> captures{1};  // one; VideoCapture::waitAny takes a vector
   cv::Mat image;
   cv::Size size;
 };
@@ -94,11 +138,12 @@ std::string nameOf(const WebcamPlace& place) {
 WebcamFrames::WebcamFrames(const WebcamPlace& place)
     : place_(place), capture_(std::make_unique<Capture>()) {
   const QuietLibrary quiet;
-  cv::VideoCapture& capture = capture_->captures.front();
+  VideoCapture& capture = capture_->captures.front();
   if (place.device) {
     const std::string node = "/dev/video" + std::to_string(*place.device);
     if (!std::filesystem::exists(node) || !capture.open(*place.device, cv::CAP_V4L2)) {
-      throw InputError("webcam:" + std::to_string(*place.device), "no camera that can be opened");
+      throw InputError("webcam:" + std::to_string(*place.device),
+                       std::string("no camera that can be opened") + kLacking);
     }
   } else {
     const std::string name = place.file.string();
@@ -116,10 +161,10 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
       }
     }
     requireRegularFile(place.file);
-    images_ = isPattern() || cv::haveImageReader(name);
+    images_ = isPattern() || isImage(name);
     if (images_) return;
     if (!exists || isText(place.file) || !capture.open(name, cv::CAP_FFMPEG)) {
-      throw InputError(name, "not a video or image that can be read");
+      throw InputError(name, std::string("not a video or image that can be read") + kLacking);
     }
     stated_ = capture.get(cv::CAP_PROP_FRAME_COUNT);
   }
@@ -153,7 +198,7 @@ bool WebcamFrames::grab() {
     last_s_ = static_cast<double>(count_++) / rate_Hz_;
     return grabbed_ = true;
   }
-  cv::VideoCapture& capture = capture_->captures.front();
+  VideoCapture& capture = capture_->captures.front();
   grabbed_ = capture.grab();
   if (!grabbed_ || isCamera()) return grabbed_;
   constexpr double kRounding_s = 2e-3;  // stamps are often whole milliseconds
@@ -174,18 +219,18 @@ std::optional<double> WebcamFrames::nextTime_s() {
 
 bool WebcamFrames::next(cv::Mat& frame) {
   const QuietLibrary quiet;
-  cv::VideoCapture& capture = capture_->captures.front();
+  VideoCapture& capture = capture_->captures.front();
   if (isCamera()) {
     std::vector<int> ready;
     constexpr int kAtOnce_ns = 1;
-    if (!cv::VideoCapture::waitAny(capture_->captures, ready, kAtOnce_ns) || ready.empty()) {
+    if (!VideoCapture::waitAny(capture_->captures, ready, kAtOnce_ns) || ready.empty()) {
       return false;
     }
   }
   if (!grab()) return false;
   grabbed_ = false;
   if (images_) {
-    capture_->image = readImage(image(count_ - 1));
+    capture_->image = readPhotograph(image(count_ - 1));
   } else if (!capture.retrieve(capture_->image) || capture_->image.empty()) {
     return false;
   }

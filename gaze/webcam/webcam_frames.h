@@ -28,6 +28,10 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source);
 /// "webcam 0", "webcam eyes.mp4".
 std::string nameOf(const WebcamPlace& place);
 
+/// A photograph of 8 or 16 bits a channel, as 8 bits, grey or BGR; transparency is left out.
+/// @throws InputError if it is none, is not whole, or cannot be read
+cv::Mat readPhotograph(const std::filesystem::path& file);
+
 class WebcamFrames {
  public:
   /// @throws InputError if there is no such camera, or if the file is no video and no image

@@ -1,0 +1,29 @@
+// Bytes to a command's standard input.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+
+namespace foci {
+
+class ShellPipe {
+ public:
+  ShellPipe() = default;
+  ~ShellPipe() { close(); }
+  ShellPipe(const ShellPipe&) = delete;
+  ShellPipe& operator=(const ShellPipe&) = delete;
+
+  /// @param command  for the shell
+  /// @return false if it cannot be started
+  bool open(const std::string& command);
+  /// @return false if the command has ended
+  bool write(const void* bytes, std::size_t count);
+  /// Waits for the command.
+  void close();
+
+ private:
+  std::FILE* pipe_ = nullptr;
+};
+
+}  // namespace foci
