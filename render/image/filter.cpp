@@ -23,9 +23,9 @@ void filterSeparably(std::vector<glm::vec4>& pixels, const glm::ivec2& size_px,
   std::vector<glm::vec4> across(pixels.size());
   parallelFor(static_cast<std::size_t>(size_px.y), [&](std::size_t y) {
     std::vector<glm::vec4> row(columns + 2 * static_cast<std::size_t>(reach));
-    for (int x = -reach; x < size_px.x + reach; ++x) {
-      row[static_cast<std::size_t>(x + reach)] =
-          pixels[y * columns + static_cast<std::size_t>(inside(x, size_px.x, border))];
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const int x = inside(static_cast<int>(i) - reach, size_px.x, border);
+      row[i] = pixels[y * columns + static_cast<std::size_t>(x)];
     }
     for (std::size_t x = 0; x < columns; ++x) {
       const glm::vec4* at = &row[x + static_cast<std::size_t>(reach)];
