@@ -313,9 +313,10 @@ std::string sightTable(const GazeInScene& gaze, const std::vector<TraceTrial>& t
 }
 
 std::string objectTable(const GazeInScene& gaze, const std::vector<TraceTrial>& trials) {
-  std::vector<ObjectLooks> named;
-  for (const ObjectLooks& object : gaze.objects) named.push_back({.name = object.name});
+  std::vector<ObjectLooks> named(gaze.objects.size());
+  for (std::size_t i = 0; i < named.size(); ++i) named[i].name = gaze.objects[i].name;
   std::vector<std::string> order;
+  order.reserve(trials.size() + 1);
   for (const TraceTrial& trial : trials) order.push_back(visible(trial.name));
   order.emplace_back("n/a");
   std::map<std::string, Looks> looks;
