@@ -270,7 +270,8 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
     std::size_t fragments = 0;
     const bool has_gap = std::find(job.gap, job.gap + job.count, 1) != job.gap + job.count;
     if (sub_apertures_only && has_gap) {
-      Sweep some(someSamples(job));
+      const TileJob few = someSamples(job);  // outlives the sweep of it
+      Sweep some(few);
       some.compose(true);
       fragments = some.fragments;
       if (some.overlap) return fragments + SubApertureSweep(job).runSubApertures();
