@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -168,9 +169,13 @@ class Solver {
       const float of_sum = 1.0f / std::max(1.0f - measured.beyond, 0.05f);
       const float largest =
           neighbours == 0 ? 0.0f : *std::max_element(each.begin(), each.begin() + neighbours);
-      const float steps = largest > 0.0f ? kOverlapSteps / largest : 0.0f;
-      std::transform(each.begin(), each.begin() + neighbours, &of_neighbours_[i * row_],
-                     [&](float k) { return static_cast<std::uint16_t>(k * steps + 0.5f); });
+      const bool counts = largest > kOverlapSteps / std::numeric_limits<float>::max();
+      const float steps = counts ? kOverlapSteps / largest : 0.0f;
+      std::transform(
+          each.begin(), each.begin() + neighbours, &of_neighbours_[i * row_],
+          [&](float k) {  // an overlap of huge or tiny kernels may be infinite, or no number
+            return static_cast<std::uint16_t>(std::min(kOverlapSteps, k * steps) + 0.5f);
+          });
       overlaps_[i] = {measured.pairs.own * of_sum, largest / kOverlapSteps * of_sum, neighbours,
                       weight_m2_[i] * measured.slope_per_v};
     });
