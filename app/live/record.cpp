@@ -42,10 +42,6 @@ fs::path madeEmpty(const fs::path& folder) {
   return folder;
 }
 
-std::string orAbsent(const std::optional<double>& time_s) {
-  return time_s ? decimal(*time_s, 6) : "n/a";
-}
-
 /// @param counts  how often each value came
 /// @return 0 without values
 int medianOf(const std::map<int, std::size_t>& counts) {
@@ -216,13 +212,13 @@ void LiveRecord::write(const LiveFrame& frame) {
   if (frame_count_ == 0) first_s_ = frame.record.time_s;
   last_s_ = frame.record.time_s;
   frames_.add(frame_count_, frame.record);
-  timing_ << frame_count_ << '\t' << orAbsent(timing.sample_s) << '\t' << decimal(timing.state_s, 6)
-          << '\t' << decimal(timing.render_start_s, 6) << '\t' << decimal(timing.render_end_s, 6)
-          << '\t' << orAbsent(timing.swap_s) << '\t' << timing.repeats << '\t' << timing.in_full
-          << '\t';
+  timing_ << frame_count_ << '\t' << orAbsent(timing.sample_s, 6) << '\t'
+          << decimal(timing.state_s, 6) << '\t' << decimal(timing.render_start_s, 6) << '\t'
+          << decimal(timing.render_end_s, 6) << '\t' << orAbsent(timing.swap_s, 6) << '\t'
+          << timing.repeats << '\t' << timing.in_full << '\t';
   const auto landed_ms =
       timing.swap_s ? landings_.add(frame.record, timing.in_full, *timing.swap_s) : std::nullopt;
-  timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\t'
+  timing_ << orAbsent(landed_ms, 1) << '\t'
           << (timing.swap_s ? std::to_string(timing.sync_level) : "n/a");
   for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
     const std::optional<GpuTimes>& gpu = frame.record.stats.gpu;

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
@@ -9,10 +10,6 @@ namespace {
 
 nlohmann::ordered_json orNull(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
-std::string orAbsentText(const std::optional<double>& value, int digits) {
-  return value ? decimal(*value, digits) : "n/a";
 }
 
 }  // namespace
@@ -39,8 +36,8 @@ std::string qualityText(const RecordingQuality& quality) {
                      decimal(100.0 * quality.lost, 1) + " %, longest gap " +
                      decimal(quality.longest_gap_s, 3) + " s, unjudged " +
                      decimal(100.0 * quality.unjudged, 1) + " %; noise in fixations: RMS-S2S " +
-                     orAbsentText(quality.rms_s2s_deg, 3) + " deg, SD " +
-                     orAbsentText(quality.sd_deg, 3) + " deg; main sequence: ";
+                     orAbsent(quality.rms_s2s_deg, 3) + " deg, SD " + orAbsent(quality.sd_deg, 3) +
+                     " deg; main sequence: ";
   if (const auto& fit = quality.main_sequence) {
     return text + decimal(fit->at_1_deg_deg_s, 0) + " deg/s at 1 deg, exponent " +
            decimal(fit->exponent, 2);

@@ -16,10 +16,6 @@ namespace {
 constexpr int kTimeDigits = 6, kPointDigits = 2, kLengthDigits = 4, kDioptreDigits = 4,
               kTurnDigits = 6;
 
-std::string orAbsent(const std::optional<double>& value, int digits) {
-  return value ? decimal(*value, digits) : "n/a";
-}
-
 std::string pointOrAbsent(const std::optional<glm::dvec2>& point_px) {
   return point_px ? decimal(point_px->x, kPointDigits) + "\t" + decimal(point_px->y, kPointDigits)
                   : "n/a\tn/a";
@@ -43,6 +39,10 @@ std::string poseFields(const FrameRecord& record) {
 }
 
 }  // namespace
+
+std::string orAbsent(const std::optional<double>& value, int digits) {
+  return value ? decimal(*value, digits) : "n/a";
+}
 
 FrameTable::FrameTable(const std::filesystem::path& file, std::vector<TraceTrial> trials)
     : file_(file.string()), out_(file, std::ios::binary), trials_(std::move(trials)) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "gaze/events/event_labels.h"
 
 namespace foci {
+
+/// A number as a field of a table; `n/a` where it is absent.
+std::string orAbsent(const std::optional<double>& value, int digits);
 
 /// frames.tsv, row by row; `n/a` where a value is absent.
 class FrameTable {

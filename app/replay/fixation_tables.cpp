@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "app/record/tables.h"
 #include "base/text.h"
 #include "gaze/events/online_events.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -18,10 +19,6 @@ namespace foci {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string orAbsent(const std::optional<double>& value, int digits) {
-  return value ? decimal(*value, digits) : "n/a";
-}
 
 std::string pairText(const glm::dvec2& pair, int digits) {
   return decimal(pair.x, digits) + '\t' + decimal(pair.y, digits);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/platform/progress.h"
+#include "app/record/tables.h"
 #include "app/replay/moving_observer.h"
 #include "app/session/eye_path.h"
 #include "app/study/session_settings_of.h"
@@ -334,11 +335,9 @@ std::string objectTable(const GazeInScene& gaze, const std::vector<TraceTrial>& 
     looks.erase(found);
     for (std::size_t i = 1; i < objects.size(); ++i) {
       const ObjectLooks& object = objects[i];
-      table += trial + '\t' + visible(object.name) + '\t' +
-               (object.first_look_s ? decimal(*object.first_look_s, 6) : "n/a") + '\t' +
-               decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
-               std::to_string(object.visits) + '\t' +
-               (object.mean_distance_m ? decimal(*object.mean_distance_m, 4) : "n/a") + '\n';
+      table += trial + '\t' + visible(object.name) + '\t' + orAbsent(object.first_look_s, 6) +
+               '\t' + decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
+               std::to_string(object.visits) + '\t' + orAbsent(object.mean_distance_m, 4) + '\n';
     }
   }
   return table;

@@ -191,8 +191,9 @@ void SceneCache::keep(const fs::path& entry, const SurfelCloud& cloud) const {
 }
 
 void SceneCache::makeRoom(std::uint64_t bytes) const {
-  for (const Entry& entry : entriesIn(folder_)) bytes += entry.bytes;
-  for (const Entry& entry : entriesIn(folder_)) {
+  const std::vector<Entry> entries = entriesIn(folder_);
+  for (const Entry& entry : entries) bytes += entry.bytes;
+  for (const Entry& entry : entries) {
     if (bytes <= limits_.max_B) return;
     fs::remove(entry.path);
     bytes -= entry.bytes;
