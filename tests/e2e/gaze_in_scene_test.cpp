@@ -21,7 +21,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 constexpr glm::dvec2 kScreen_px(1920.0, 1080.0), kScreen_m(0.5313, 0.2989);
 constexpr double kDistance_m = 0.6, kRate_Hz = 200.0;

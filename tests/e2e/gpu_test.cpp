@@ -9,7 +9,7 @@
 #include "tests/e2e/binary.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 using Json = nlohmann::json;
 

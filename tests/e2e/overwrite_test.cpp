@@ -11,7 +11,7 @@
 #include "tests/e2e/binary.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;

@@ -8,7 +8,7 @@
 #include "tests/e2e/binary.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;

@@ -13,7 +13,7 @@
 #include "tests/e2e/binary.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;

@@ -8,7 +8,7 @@
 #include "tests/e2e/binary.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 /// A bumpy square before the eye at the origin.
 std::string bumpyPly() {

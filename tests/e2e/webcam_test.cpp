@@ -13,7 +13,7 @@
 #include "tests/faces/observer.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 using Json = nlohmann::json;
 

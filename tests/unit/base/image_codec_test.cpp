@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 cv::Mat gradient(int type) {
   cv::Mat image(13, 37, type);

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(ImageHeader, StatesTheSizeOfWhatOpenCvWrites) {
   const cv::Mat image(37, 211, CV_8UC3, cv::Scalar(10, 200, 30));

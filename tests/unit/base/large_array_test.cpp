@@ -5,7 +5,7 @@
 #include <cstdint>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(LargeArray, HoldsEveryElementOfSmallAndOfLargeArrays) {
   for (const std::size_t n :

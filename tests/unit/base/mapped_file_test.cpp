@@ -12,7 +12,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 unsigned char lastByte(const MappedFile& file) {
   const volatile unsigned char* const last = &file.bytes().back();

@@ -6,7 +6,7 @@
 #include <memory>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(MappedVector, ReadsTheMappedValuesInPlace) {
   const auto values = std::make_shared<const std::array<int, 3>>(std::array{1, 2, 3});

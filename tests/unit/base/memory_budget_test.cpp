@@ -10,7 +10,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(NearWord, IsAMisspellingOrNothing) {
   const std::vector<std::string> commands = {"replay", "render",  "live",    "calibrate",

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(ParseNumber, TakesFiniteNumbersThatFillTheText) {
   EXPECT_EQ(parseNumber("1.5"), 1.5);

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(QuietStderr, HidesWhatIsWrittenWhileItLives) {
   testing::internal::CaptureStderr();

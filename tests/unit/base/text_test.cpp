@@ -7,7 +7,7 @@
 #include "base/number.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(Decimal, NeverHasANegativeZero) {
   EXPECT_EQ(decimal(-0.0004, 3), "0.000");

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(Words, StandBetweenBlanksOrOtherCharacters) {
   using Words = std::vector<std::string_view>;

@@ -13,7 +13,7 @@
 #include "tests/unit/calibration/simulated_user.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class CalibrationFiles : public testing::Test {
  protected:

@@ -8,7 +8,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 std::string refusal(const std::string& text) {
   try {

@@ -9,7 +9,7 @@
 #include "tests/faces/observer.h"
 
 namespace foci::faces {
-namespace {
+namespace FOCI_FILE {
 
 Photography clean() {
   Photography how;

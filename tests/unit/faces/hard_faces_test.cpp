@@ -11,7 +11,7 @@
 #include "gaze/webcam/webcam_tracker.h"
 
 namespace foci::faces {
-namespace {
+namespace FOCI_FILE {
 
 const Lens kCamera{{.focal_px = {560, 560}, .principal_px = {320, 240}}};
 

@@ -23,7 +23,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

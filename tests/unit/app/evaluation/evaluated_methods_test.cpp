@@ -5,7 +5,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(EvaluatedMethods, KeepNumberAndVariant) {
   const auto chosen =

@@ -14,7 +14,7 @@
 #include "render/methods/method.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kWave_m = 555e-9;
 

@@ -8,7 +8,7 @@
 #include "app/eye/visual_quality.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(DepthOfFocus, IsTheWidthOfTheCurveAtItsCriterion) {
   // A roof with its ridge at 0.2 D falls to 80 % within 0.2 D on either side.

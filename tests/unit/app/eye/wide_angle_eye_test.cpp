@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Vergence of light from a point of the retina at the entrance pupil, along the field's meridian
 /// and across it, dioptres: Coddington's equations along the chief ray (Born and Wolf, Principles

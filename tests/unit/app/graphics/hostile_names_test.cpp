@@ -23,7 +23,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 std::vector<std::string> hostileNames(const std::string& file = "x") {
   return {"`touch " + file + "`",

@@ -8,7 +8,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(VideoWriter, SaysWhyAFileCannotBeWritten) {
   const TemporaryFolder scratch;

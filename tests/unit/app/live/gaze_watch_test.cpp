@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Gaze that arrives at 50 Hz for five seconds before 25 frames per second.
 struct Arrival {

@@ -18,7 +18,7 @@
 #include "tests/unit/render/gl/lost_context.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(LivePose, AStepIsAShareOfTheScene) {
   EXPECT_DOUBLE_EQ(liveStep_m(12.0), 2.0 * liveStep_m(6.0));

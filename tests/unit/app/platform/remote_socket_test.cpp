@@ -12,7 +12,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A socket of an experiment that talks to the one under test.
 class Experiment {

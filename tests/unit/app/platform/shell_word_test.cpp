@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(ShellWord, IsQuotedWhereAShellWouldReadItOtherwise) {
   EXPECT_EQ(shellWord("--set"), "--set");

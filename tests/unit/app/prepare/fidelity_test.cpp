@@ -25,7 +25,7 @@
 #include "tests/cube_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr std::size_t kViews = 8;  // of the 64; for speed
 

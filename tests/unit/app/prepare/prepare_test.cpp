@@ -15,7 +15,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class PrepareScene : public testing::Test {
  protected:

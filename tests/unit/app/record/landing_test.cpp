@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(Durations, QuantilesAreThoseOfTheBins) {
   Durations durations;

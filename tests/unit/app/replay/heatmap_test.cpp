@@ -14,7 +14,7 @@
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A grey wall 3 m away, across the line of sight along `towards`, with its tree.
 SurfelCloud wallOf(const glm::vec3& towards, const glm::vec3& up) {

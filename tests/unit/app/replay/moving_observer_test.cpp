@@ -5,7 +5,7 @@
 #include <random>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Two seconds at 90 Hz: an eye that walks aside looks at a point that moves, with noise.
 /// @param eye_m_s, point_m_s  speed of both along x

@@ -8,7 +8,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 using Names = std::vector<std::string>;
 

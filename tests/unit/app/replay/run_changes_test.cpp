@@ -5,7 +5,7 @@
 #include "app/replay/report_charts.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const std::vector<Change> kPupils = {{.time_s = 1.0, .key = "observer.pupil_mm", .toml = "2"},
                                      {.time_s = 2.0, .key = "observer.pupil_mm", .toml = "4"},

@@ -10,7 +10,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// The record of a run at 62.5 frames per second that was asked for 15.
 Study record(const std::filesystem::path& folder, const std::string& rows) {

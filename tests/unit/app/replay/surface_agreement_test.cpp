@@ -6,7 +6,7 @@
 #include <string>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A fixated frame.
 FrameRecord frame(std::optional<double> surface_m, std::optional<double> vergence_D) {

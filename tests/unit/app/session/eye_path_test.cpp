@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kFloat = 1e-6;  // of matrices of floats
 

@@ -15,7 +15,7 @@
 #include "render/image/visible_difference.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRate_Hz = 250.0, kFps = 30.0;
 

@@ -7,7 +7,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 RenderRequest requestOf(const std::string& method) {
   RenderRequest request{.method = method, .size_px = {32, 32}, .eyes = {{}}};

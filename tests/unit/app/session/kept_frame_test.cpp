@@ -12,7 +12,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kIpd_m = 0.064, kDistance_m = 1.0;
 

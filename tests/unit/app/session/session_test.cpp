@@ -8,7 +8,7 @@
 #include "tests/unit/render/gaussian_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-9;
 constexpr float kFloatRounding = 1e-5f;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kBetween_m = 0.064, kDistance_m = 0.6;
 constexpr double kFloat_px = 1e-2;  // of floats around 1000 px

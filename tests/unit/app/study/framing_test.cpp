@@ -13,7 +13,7 @@
 #include "render/optics/view.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kFourDigits = 2e-4;  // poses have four significant digits
 

@@ -7,7 +7,7 @@
 #include "app/study/study.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 std::vector<std::string> allKeys() {
   std::vector<std::string> known;

@@ -13,7 +13,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(SceneText, CountsWhatIsLeftOut) {
   const SceneFacts facts{.points = 1, .dropped = 2, .position = {glm::vec3(0.0f)}};

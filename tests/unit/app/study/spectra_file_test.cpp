@@ -9,7 +9,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 std::string rows(int from_nm, int to_nm, const std::string& separator = ",") {
   std::string text;

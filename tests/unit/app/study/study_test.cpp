@@ -11,7 +11,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class StudyFile : public testing::Test {
  protected:

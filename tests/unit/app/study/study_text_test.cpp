@@ -9,7 +9,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(StudyText, AsTomlIsTheSameStudy) {
   const TemporaryFolder scratch;

@@ -10,7 +10,7 @@
 #include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A closed sphere, its surfels facing outwards, or inwards.
 SurfelCloud sphere(float radius_m, bool outwards = true) {

@@ -9,7 +9,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 MeasuredEyes read(const std::string& text, std::optional<double> pupil_mm = {}) {
   const TemporaryFolder folder;

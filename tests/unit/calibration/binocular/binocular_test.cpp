@@ -10,7 +10,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 // The issue's own limits.
 constexpr double kPose_m = 0.002;

@@ -12,7 +12,7 @@
 #endif
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr int kSquare_px = 80;
 const Board kCharuco{.corners = {6, 4}, .square_m = 0.03, .marker_m = 0.022};

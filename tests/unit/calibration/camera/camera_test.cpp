@@ -10,7 +10,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const CameraModel kTruth{.size_px = {640, 480},
                          .focal_px = {612.0, 608.0},

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-9;
 const GazeFrame kPlane{.units = MapUnits::direction, .screen = {}};

@@ -9,7 +9,7 @@
 #include "tests/unit/calibration/simulated_user.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kSolver_deg = 1e-3;   // noise floor and shrinkage of the fit on exact data
 constexpr double kStatistical = 0.05;  // of a share, over the users of a test

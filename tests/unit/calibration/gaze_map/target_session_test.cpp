@@ -7,7 +7,7 @@
 #include <set>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kTick_s = 1.0 / 60.0;
 const std::vector<glm::dvec2> kTargets{{-8, 4}, {8, 4}, {0, -4}};

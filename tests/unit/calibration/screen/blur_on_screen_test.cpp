@@ -11,7 +11,7 @@
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kBlur = 0.02;  // the limit
 constexpr double kPupil_m = 0.004, kPoint_D = 1.0;

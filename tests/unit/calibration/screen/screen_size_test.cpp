@@ -9,7 +9,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-12;
 const double kSlope = std::tan(glm::radians(13.5));

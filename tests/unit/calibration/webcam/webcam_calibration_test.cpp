@@ -9,7 +9,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.52, 0.2925}, .distance_m = 0.6};
 

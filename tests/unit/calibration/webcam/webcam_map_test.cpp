@@ -9,7 +9,7 @@
 #include "calibration/webcam/webcam_recalibration.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// An observer whose eyes turn by the angle from head to target; 0.3 m of screen width.
 struct Observer {

@@ -9,7 +9,7 @@
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRate_Hz = 120.0, kSaccade_deg = 12.0;
 

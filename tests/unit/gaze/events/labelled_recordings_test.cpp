@@ -14,7 +14,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Cohen's kappa of stable gaze, mean over two coders at most.
 double kappaOf(const std::vector<GazeState>& states, const std::vector<Coder>& coders) {

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Gaze that moves to the side for 0.3 s at 250 Hz, with white noise along each axis.
 StableGaze drift(double from_s, double speed_deg_s, double noise_deg = 0.0, unsigned seed = 1) {

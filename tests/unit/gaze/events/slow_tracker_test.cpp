@@ -8,7 +8,7 @@
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.5313, 0.2989}, .distance_m = 0.6};
 const glm::dvec2 kLeft_px(440.0, 540.0), kRight_px(1480.0, 540.0);

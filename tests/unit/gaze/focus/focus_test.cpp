@@ -12,7 +12,7 @@
 #include "gaze/follow/gaze_follower.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-9;
 constexpr double kIpd_m = 0.063;

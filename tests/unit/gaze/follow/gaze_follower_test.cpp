@@ -8,7 +8,7 @@
 #include "gaze/live/simulator.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-9;  // a handful of double operations
 

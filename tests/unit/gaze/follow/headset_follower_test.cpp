@@ -10,7 +10,7 @@
 #include "gaze/sources/space_layout.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kIpd_m = 0.06, kRate_Hz = 120.0, kGoal_D = 0.1;
 

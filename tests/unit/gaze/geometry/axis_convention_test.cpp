@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-12;
 

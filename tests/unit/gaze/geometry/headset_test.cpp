@@ -6,7 +6,7 @@
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kHalfPixel_deg = 0.03;  // at the side of the view, where pixels are coarse
 

@@ -10,7 +10,7 @@
 #include "gaze/events/online_events.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.531, 0.299}, .distance_m = 0.6};
 

@@ -8,7 +8,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRate_Hz = 1000.0, kPrinted_s = 1e-9;
 

@@ -10,7 +10,7 @@
 #include <random>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kMaxLag_s = 0.002;       // mean that foci may add
 constexpr double kLostPerStep_s = 0.5;    // gaze, at most

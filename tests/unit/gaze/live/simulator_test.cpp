@@ -5,7 +5,7 @@
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.52, 0.2925}, .distance_m = 0.6};
 const std::vector<GazeTarget> kTwo{{{400, 540}, 1.0}, {{1500, 540}, 1.0}};

@@ -11,7 +11,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kMicrosecond_s = 1e-6;
 

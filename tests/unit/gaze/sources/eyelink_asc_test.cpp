@@ -4,7 +4,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kClock_s = 1e-9;  // rounding of milliseconds to seconds
 

@@ -8,7 +8,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 using namespace std::string_view_literals;
 

@@ -10,7 +10,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 std::string packed(const std::string& text) {
   std::string bytes(compressBound(text.size()) + 32, '\0');

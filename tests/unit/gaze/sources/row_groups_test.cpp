@@ -13,7 +13,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr int kSamples = 600;
 constexpr double kRate_Hz = 60.0;

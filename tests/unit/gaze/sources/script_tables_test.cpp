@@ -9,7 +9,7 @@
 #include "tests/unit/gaze/sources/read_tables.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(ScriptTable, PupilCoresSurfacesCountFromTheLowerEdge) {
   const GazeTrace trace =

@@ -9,7 +9,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kDigits = 1e-5;  // of the tables
 const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.5313, 0.2989}, .distance_m = 0.6};

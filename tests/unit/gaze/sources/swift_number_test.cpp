@@ -7,7 +7,7 @@
 #include <string>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Parses `text` with bytes behind it that would change the number.
 std::optional<double> parse(const std::string& text, const std::string& behind = "9.9.9999") {

@@ -10,7 +10,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-9;  // a handful of double operations
 

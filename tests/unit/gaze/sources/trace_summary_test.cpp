@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(TraceSummary, CountsPresentAndMissingSamples) {
   TraceSummary summary;

@@ -11,7 +11,7 @@
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 

@@ -12,7 +12,7 @@
 #include "tests/unit/gaze/sources/read_tables.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 std::filesystem::path recording(const char* name) {
   return std::filesystem::path(FOCI_SOURCE_DIR) / "tests/unit/gaze/sources/recordings" / name;

@@ -12,7 +12,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRate_Hz = 100.0;
 constexpr double kClock_s = 1e-6;  // the bound on times against the simulated truth

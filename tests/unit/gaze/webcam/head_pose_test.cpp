@@ -8,7 +8,7 @@
 #include "tests/faces/face.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const Pinhole kCamera{.focal_px = {560, 560}, .principal_px = {320, 240}};
 

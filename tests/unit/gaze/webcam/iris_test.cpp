@@ -9,7 +9,7 @@
 #include "tests/faces/face.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A dark disk between two whites and two eyelids. The edges are exact to a fraction of a pixel,
 /// then blurred.

@@ -20,7 +20,7 @@
 #include "gaze/webcam/webcam_tracker.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRight = 0.25;  // an iris is right within this share of itself
 constexpr double kDegPerIris = 180.0 / std::numbers::pi * 11.7 / 12.0;  // gaze, a diameter

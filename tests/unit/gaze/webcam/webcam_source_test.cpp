@@ -16,7 +16,7 @@
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Numbered images of a person who looks farther aside in each one.
 class Images {

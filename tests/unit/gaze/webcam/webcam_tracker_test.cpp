@@ -10,7 +10,7 @@
 #include "tests/faces/face.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 const Lens kLens{{.focal_px = {560, 560}, .principal_px = {322, 238}},
                  {-0.25, 0.08, 0.001, -0.002, 0.0},

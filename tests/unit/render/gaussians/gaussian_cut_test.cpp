@@ -15,7 +15,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Small Gaussians in a ball 2 m before the eye.
 GaussianCloud ball(int n, float sigma_m = 0.01f, float opacity = 1.0f) {

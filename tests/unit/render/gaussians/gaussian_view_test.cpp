@@ -16,7 +16,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kVarianceShare = 0.02, kLightShare = 0.01;  // the goals of this renderer
 

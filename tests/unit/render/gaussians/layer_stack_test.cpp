@@ -19,7 +19,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(LensPairs, WeighEachViewAlike) {
   for (const auto& [front, behind] : {std::pair(1, 7), {3, 13}, {7, 19}, {13, 7}, {7, 7}}) {

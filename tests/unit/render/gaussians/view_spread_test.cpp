@@ -16,7 +16,7 @@
 #include "render/methods/lens_samples.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 Frame flat(const glm::vec3& rgb) {
   Frame frame;

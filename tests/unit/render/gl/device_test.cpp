@@ -9,7 +9,7 @@
 #include "tests/unit/render/gl/test_device.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 std::string messageOf(const std::function<void()>& action) {
   try {

@@ -6,7 +6,7 @@
 #include "render/methods/gaussian_methods.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A row of tiles of three layers, with samples 1, 2 and 8 px apart, of 10, 20 and 30 Gaussians.
 class Row {

@@ -12,7 +12,7 @@
 #include "tests/unit/render/gl/test_device.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class GpuGaussianPicture : public ::testing::Test {
  protected:

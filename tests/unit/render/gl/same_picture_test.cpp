@@ -8,7 +8,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class GpuPicture : public ::testing::Test {
  protected:

@@ -9,7 +9,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
 

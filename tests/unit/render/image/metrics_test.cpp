@@ -9,7 +9,7 @@
 #include <random>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kExact = 1e-12;
 constexpr double kFloatSums = 1e-5;                     // single-precision sums over a window

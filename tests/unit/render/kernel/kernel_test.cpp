@@ -6,7 +6,7 @@
 #include <numbers>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kQuadrature = 1e-5;  // of 4000 midpoints, and the table's floats
 

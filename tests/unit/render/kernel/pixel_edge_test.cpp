@@ -9,7 +9,7 @@
 #include "render/kernel/limits.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 double coveredBy(double t) { return 0.5 * std::erfc(-t / std::sqrt(2.0)); }
 double density(double t) { return std::exp(-0.5 * t * t) / std::sqrt(glm::two_pi<double>()); }

@@ -11,7 +11,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kTolerance =
     4e-5f;  // the kernel's exponential, twice, and sums of some dozen terms

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kTolerance = 4e-6f;  // a dozen float roundings, of values up to some units
 

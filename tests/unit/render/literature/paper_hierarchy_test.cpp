@@ -12,7 +12,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kSumTolerance = 1e-5;  // float sums along a tree, of some thousand terms
 constexpr float kRounding = 1e-5f;      // relative, of lengths and their squares

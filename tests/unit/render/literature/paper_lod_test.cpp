@@ -9,7 +9,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 View planeView(int size_px) {
   const EyePose pose = planeEyePose();

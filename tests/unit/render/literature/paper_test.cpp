@@ -14,7 +14,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kCutoff = 2.5;
 /// Variance of a Gaussian that ends at x' V^-1 x / 2 = c, over V. With s = x' V^-1 x / 2, which is

@@ -11,7 +11,7 @@
 #include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr int kSize_px = 33;
 constexpr float kDistance_m = 2.0f, kFocal_px = 100.0f;

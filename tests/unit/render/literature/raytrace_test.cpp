@@ -17,7 +17,7 @@
 #include "render/scene/builtin/pattern.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 // The mean of two halves has half the error of their difference. In both references the halves are
 // stratified against each other, so this estimate is above the error.

@@ -14,7 +14,7 @@
 #include "tests/unit/render/mesh_shapes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kPi = 3.14159265f;
 

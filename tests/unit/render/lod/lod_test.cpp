@@ -17,7 +17,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kTotalVariance = 0.03;  // of the formula's, at every level
 constexpr double kSums = 1e-4;           // of single precision sums over thousands

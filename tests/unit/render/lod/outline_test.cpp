@@ -8,7 +8,7 @@
 #include "render/lod/moment_tree.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 SurfelCloud helix() {
   SurfelCloud cloud;

@@ -14,7 +14,7 @@
 #include "render/scene/io/ply.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kHalfAngle_rad = 0.5 * glm::pi<double>() / 180.0;
 constexpr double kFlat = 1e-5;     // relative; float positions, depth weighted in dioptres

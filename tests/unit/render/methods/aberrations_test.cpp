@@ -15,7 +15,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kFocal_px = 3438.0f;  // 60 px for each degree
 constexpr int kSize_px = 129;

@@ -9,7 +9,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kVarianceOfSamples = 0.01;  // of a sunflower of 200 points against the disc's
 constexpr double kShareOfSamples = 0.02;     // of half-planes against 200 points, and a pixel

@@ -15,7 +15,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 Frame greyFrame(float grey) {
   return {.size_px = {16, 16}, .rgba = std::vector<glm::vec4>(256, glm::vec4(grey)), .depth_m = {}};

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr int kSize_px = 256;
 constexpr float kDistance_m = 0.5f;  // 2 D

@@ -18,7 +18,7 @@
 #include "tests/unit/render/mesh_shapes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr glm::ivec2 kSize_px{200, 150};
 constexpr std::size_t kPoints = 40'000;  // a pixel apart, about

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Discs that a tile of one layer with this blur begins with.
 constexpr int kFirst = 7;

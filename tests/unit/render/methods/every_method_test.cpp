@@ -13,7 +13,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Every method, with a number small enough for a test.
 std::vector<std::string> everySpec() {

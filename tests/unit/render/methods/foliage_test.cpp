@@ -10,7 +10,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class Foliage : public testing::Test {
  protected:

@@ -9,7 +9,7 @@
 #include "render/methods/mean_of_parts.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kLight = 1e-3;  // the share of light that may be lost
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Root mean square of the error of the mean over the points, for edges at many places of the lens
 /// that are as soft as `softness` lens radii.

@@ -10,7 +10,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A sheet before another one, both of some 40 surfels a pixel, and the same with their tree.
 struct FineSheets {

@@ -5,7 +5,7 @@
 #include <limits>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 // Sums of weights are interpolated in a table with 32 entries a pixel; beyond it they are an
 // integral.

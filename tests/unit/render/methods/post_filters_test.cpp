@@ -7,7 +7,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kVarianceTolerance = 0.02;  // sampling at pixel centres, mean of 16 places
 // Variance of small discs on the grid of pixels: see DiscImage.

@@ -14,7 +14,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 // A fixed seed, and few cases: each case renders frames.
 [[maybe_unused]] const int kFew = setenv("RC_PARAMS", "max_success=12 seed=1", 0);

@@ -5,7 +5,7 @@
 #include "render/methods/method.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(QualityLevel, ItsTextIsReadBack) {
   for (int n = 1; n <= static_cast<int>(kQualityLevels); ++n) {

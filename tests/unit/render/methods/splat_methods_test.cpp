@@ -9,7 +9,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kVarianceTolerance = 0.02;  // sampling at pixel centres, mean of 16 places
 constexpr double kMassTolerance = 0.01;      // likewise

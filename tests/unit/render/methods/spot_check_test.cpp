@@ -8,7 +8,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr LodSettings kBest{.cut = kFaithfulCut, .sub_apertures = 7};
 constexpr LodSettings kCoarse{.cut = {.per_blur2 = 0.2f, .per_pixel2 = 0.6f}};

@@ -7,7 +7,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A sheet before another one, across three strips and a part of a fourth.
 class Strips : public ::testing::Test {

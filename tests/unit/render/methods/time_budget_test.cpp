@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr std::array<float, 3> kRelative{16.0f, 4.0f, 1.0f};
 constexpr QualityLevel kSlow{0}, kMedium{1}, kQuick{2};

@@ -9,7 +9,7 @@
 #include "render/normalisation/pair_sums.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kQuadrature = 1e-4f;  // of the table
 

@@ -20,7 +20,7 @@
 #include "tests/cube_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Largest ripple of a grid's sum, for sigma over spacing. The kernel (1 - q)^2 of support sqrt(8)
 /// sigma has the transform 48 J_3(k) / k^3, taken at the grid's first frequencies.

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// The variance of a kernel on the plane across the z axis.
 glm::dmat2 varianceOf(const PairSurfel& surfel) {

@@ -14,7 +14,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(Acuity, FollowsTheFormula) {
   const Acuity acuity = acuityAround({0.0f, 0.0f}, 40.0f);

@@ -5,7 +5,7 @@
 #include <limits>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kPrinted = 5e-5;   // digits of the test vectors in docs/formulas.md, section 1
 constexpr double kRounding = 1e-9;  // a handful of double operations

@@ -9,7 +9,7 @@
 #include "render/optics/pupil.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// The share of the peak that stays: the Airy pattern (2 J1(v) / v)^2 / (2 pi s^2), v = sqrt(2) t /
 /// s, summed under a Gaussian of `blur_px`.

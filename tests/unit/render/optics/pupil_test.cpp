@@ -10,7 +10,7 @@
 #include "render/methods/lens_samples.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kPupil_m = 6e-3;
 constexpr float kFocal_px = 3438.0f;  // 60 px for each degree

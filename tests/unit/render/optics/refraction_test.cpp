@@ -16,7 +16,7 @@
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kFloat = 1e-6;
 constexpr double kKernel = 0.02;   // of a variance: kernels on pixels

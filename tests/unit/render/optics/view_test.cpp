@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kFloat = 1e-3f;  // pixels, at a thousand pixels
 

@@ -10,7 +10,7 @@
 #include "render/optics/typical_eye.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kPupil_m = 6e-3;
 

@@ -10,7 +10,7 @@
 #include "tests/unit/render/gaussian_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kHalfAngle_rad = 0.005, kCoverage = 0.5;
 const glm::dvec3 kAhead(0.0, 0.0, -1.0);

@@ -11,7 +11,7 @@
 #include "tests/unit/render/gaussian_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kRounding = 1e-5;
 

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// The associated Legendre polynomial P_l^m(x), m >= 0, without the phase (-1)^m.
 double legendre(int l, int m, double x) {

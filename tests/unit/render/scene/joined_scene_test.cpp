@@ -11,7 +11,7 @@
 #include "render/scene/harmonics.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A square of the given half side before the eye, which looks along -z.
 SurfelCloud square(float z, float half, const glm::vec3& color) {

@@ -9,7 +9,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kSpacing_m = 0.02f, kHalfSide_m = 1.5f, kFocal_px = 96.0f;
 constexpr int kSize_px = 96, kHorizon_px = kSize_px / 2;

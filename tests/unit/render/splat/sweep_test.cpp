@@ -12,7 +12,7 @@
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kMomentTolerance =
     0.02;  // sampling of the kernel at pixel centres, mean of 16 places

@@ -16,7 +16,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAsThePaperCounted = 0.15;

@@ -15,7 +15,7 @@
 #include "render/scene/sampling/sample_surface.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(MakePlane, HasThePapersSurfelsAndItsArea) {
   const SurfelCloud plane = makePlane();

@@ -15,7 +15,7 @@
 #include <vector>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kNormalAngle_rad = 0.03f;  // 16 neighbours on a sphere of 20,000 points: curvature
 constexpr double kArea = 0.03;             // statistical: density from 16 neighbours, averaged

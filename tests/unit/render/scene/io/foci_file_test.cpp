@@ -19,7 +19,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class FociFileTest : public testing::Test {
  protected:

@@ -13,7 +13,7 @@
 #include "tests/unit/render/gaussian_scenes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// 37 Gaussians with harmonics, without a tree.
 GaussianCloud withoutTree(int degree) {

@@ -22,7 +22,7 @@
 #include "tests/unit/render/scene/io/gaussian_files_spz.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 struct Format {
   const char* name;

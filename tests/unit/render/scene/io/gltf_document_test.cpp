@@ -12,7 +12,7 @@
 #include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class GltfLimits : public testing::Test {
  protected:

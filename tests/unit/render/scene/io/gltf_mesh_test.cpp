@@ -20,7 +20,7 @@
 #include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kShort = 1.0f / 32767.0f;  // a step of a normalised short
 

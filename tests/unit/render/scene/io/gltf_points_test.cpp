@@ -20,7 +20,7 @@
 #include "tests/unit/render/scene/io/gaussian_files_spz.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 using Json = nlohmann::ordered_json;
 

@@ -14,7 +14,7 @@
 #include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 template <class T>
 std::string bytesOf(const std::vector<T>& values) {

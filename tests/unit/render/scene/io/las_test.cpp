@@ -15,7 +15,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 struct LasPoint {
   std::array<std::int32_t, 3> steps;

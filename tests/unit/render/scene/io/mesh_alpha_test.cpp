@@ -11,7 +11,7 @@
 #include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kByte = 0.01f;   // 8-bit sRGB
 constexpr float kPlace = 1e-3f;  // exact but for rounding

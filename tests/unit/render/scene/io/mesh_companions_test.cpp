@@ -10,7 +10,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class MeshCompanions : public testing::Test {
  protected:

@@ -15,7 +15,7 @@
 #include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class MeshDamage : public testing::Test {
  protected:

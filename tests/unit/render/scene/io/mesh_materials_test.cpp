@@ -17,7 +17,7 @@
 #include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 constexpr float kByte = 0.01f;  // 8-bit sRGB

@@ -18,7 +18,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kCount = 0.12;  // statistical: dart throwing fills more or less of the room
 constexpr float kByte = 0.01f;   // 8-bit sRGB

@@ -10,7 +10,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kRounding = 1e-6f;
 

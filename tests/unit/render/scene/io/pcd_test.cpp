@@ -14,7 +14,7 @@
 #include "tests/unit/render/scene/io/gaussian_files.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// Two points: (1, 2, 3) red, and (-1, 0.5, 4) of colour (0, 128, 255), with normals along z.
 constexpr std::uint32_t kRed = 0xffff0000, kBlue = 0xff0080ff;

@@ -17,7 +17,7 @@
 #include "base/input_error.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr float kSrgbByte = 0.5f / 255.0f * 2.3f;  // half a step of 8-bit sRGB where it is steepest
 

@@ -14,7 +14,7 @@
 #include "tests/unit/render/scene/io/read_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// A quad of 2 x 1 units in the xy plane, with centimetres as units and z upwards.
 constexpr const char* kQuadFbx = R"(; FBX 7.4.0 project file

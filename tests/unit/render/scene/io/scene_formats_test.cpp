@@ -16,7 +16,7 @@
 #include "tests/unit/render/scene/io/gaussian_files_spz.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 

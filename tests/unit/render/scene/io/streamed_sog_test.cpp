@@ -12,7 +12,7 @@
 #include "tests/unit/render/scene/io/gaussian_files_sog.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 

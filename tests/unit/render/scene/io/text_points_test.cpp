@@ -13,7 +13,7 @@
 #include "tests/unit/render/scene/io/gaussian_files.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 class TextPoints : public testing::Test {
  protected:

@@ -12,7 +12,7 @@
 #include "tests/cube_mesh.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 void turn(TriangleMesh& mesh, std::size_t triangle) {
   std::swap(mesh.corners_m[3 * triangle + 1], mesh.corners_m[3 * triangle + 2]);

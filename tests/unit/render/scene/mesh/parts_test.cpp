@@ -8,7 +8,7 @@
 #include "tests/unit/render/mesh_shapes.h"
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TriangleMesh boxes(std::size_t small_ones, float small_m) {
   TriangleMesh mesh;

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 constexpr double kCount = 0.12;  // statistical: dart throwing fills more or less of the room
 
