@@ -187,7 +187,7 @@ class RenderTest(unittest.TestCase):
                         "caught = next(line for line in open('/proc/self/status') if line.startswith('SigCgt'))\n"
                         "print(int(caught.split()[1], 16) >> (signal.SIGBUS - 1) & 1)\n"
                         "os.kill(os.getpid(), signal.SIGBUS)\n")
-                return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+                return subprocess.run([sys.executable, "-u", "-c", code], capture_output=True, text=True)
 
             foci_handles, own_handler = handles_bus_error(""), handles_bus_error("faulthandler.enable()")
             self.assertEqual((foci_handles.stdout, foci_handles.stderr), ("1\n", ""))
