@@ -3,8 +3,8 @@
     cmake --preset wheel && cmake --build --preset wheel --target foci foci_python
     python3 python/wheel.py [FOLDER]       # build/wheel is the default
 
-It needs the packages patchelf and binutils. The libraries are Debian's and find their neighbours by $ORIGIN. The wheel
-states their licences.
+With -DFOCI_PYTHON_HEADERS=... it is a wheel for several Pythons (docs/python.md). It needs the packages patchelf and
+binutils. The libraries are Debian's and find their neighbours by $ORIGIN. The wheel states their licences.
 """
 
 import base64
@@ -69,22 +69,24 @@ def stage(build, tree):
     return sorted({package_of(path) for path in libraries.values()})
 
 
-def describe(tree, version, tag, packages):
+def describe(tree, version, platform, packages, pythons):
     info = tree / f"foci-{version}.dist-info"
     licences = info / "licenses"
     licences.mkdir(parents=True)
     shutil.copy(ROOT / "LICENSE", licences / "LICENSE")
     for package in packages:
         shutil.copy(f"/usr/share/doc/{package}/copyright", licences / f"{package}.copyright")
-    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    # The pybind11 of Debian 12 does not know NumPy 2; the one that comes with the headers of further Pythons does.
+    numpy = "numpy" if len(pythons) > 1 else "numpy<2"
     (info / "METADATA").write_text(
         f"Metadata-Version: 2.1\nName: foci\nVersion: {version}\n"
         "Summary: See a scene as a human eye would focus it, following where the observer looks\n"
         + "".join(f"License-File: licenses/{file.name}\n" for file in sorted(licences.iterdir()))
-        + f"Requires-Python: =={python}.*\nRequires-Dist: numpy\n\n"
+        + f"Requires-Python: >=3.{min(pythons)}\nRequires-Dist: {numpy}\n\n"
         "The wheel holds shared libraries of Debian. Their licences stand in the folder licenses; those of SuiteSparse are\n"
         "LGPL and GPL, which then hold for the wheel as a whole.\n")
-    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: foci\nRoot-Is-Purelib: false\nTag: {tag}\n")
+    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: foci\nRoot-Is-Purelib: false\n"
+                                + "".join(f"Tag: cp3{p}-cp3{p}-{platform}\n" for p in pythons))
     (info / "entry_points.txt").write_text("[console_scripts]\nfoci = foci.__main__:main\n")
     return info
 
@@ -110,13 +112,15 @@ def main():
     build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build" / "wheel").resolve()
     version = re.search(r"project\(foci VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
     glibc = os.confstr("CS_GNU_LIBC_VERSION").split()[1].replace(".", "_")
-    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    tag = f"{python}-{python}-manylinux_{glibc}_x86_64"
+    modules = (build / "python" / "foci").glob("_foci.cpython-3*.so")
+    pythons = sorted(int(re.match(r"_foci\.cpython-3(\d+)", module.name).group(1)) for module in modules)
+    tags = ".".join(f"cp3{minor}" for minor in pythons)
+    platform = f"manylinux_{glibc}_x86_64"
     with tempfile.TemporaryDirectory() as temporary:
         tree = pathlib.Path(temporary)
         packages = stage(build, tree)
-        wheel = build / f"foci-{version}-{tag}.whl"
-        pack(tree, describe(tree, version, tag, packages), wheel)
+        wheel = build / f"foci-{version}-{tags}-{tags}-{platform}.whl"
+        pack(tree, describe(tree, version, platform, packages, pythons), wheel)
     print(f"{wheel}: {wheel.stat().st_size / 1e6:.1f} MB, with libraries of {len(packages)} packages")
 
 
