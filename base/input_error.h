@@ -6,6 +6,8 @@
 #include <string>
 #include <system_error>
 
+#include "base/text.h"
+
 namespace foci {
 
 /// One line that names the file, the line or key, the value found and the values allowed, e.g.
@@ -15,9 +17,10 @@ class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 
-  /// `where` is "file", "file:line" or "--option"; `what` is the rest of the line.
-  InputError(const std::string& where, const std::string& what)
-      : std::runtime_error(where + ": " + what) {}
+  /// `where` is "file", "file:line" or "--option"; the parts are the rest of the line (`concat`).
+  template <typename Part, typename... Parts>
+  InputError(const std::string& where, const Part& part, const Parts&... more)
+      : std::runtime_error(concat(where, ": ", part, more...)) {}
 };
 
 /// Throws if `path` exists but is not a regular file. A folder cannot be read, and a pipe could

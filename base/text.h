@@ -4,8 +4,24 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace foci {
+
+/// The parts one after another: texts, and integers in decimal.
+template <typename... Parts>
+std::string concat(const Parts&... parts) {
+  std::string all;
+  const auto add = [&all]<typename Part>(const Part& part) {
+    if constexpr (std::is_integral_v<Part>) {
+      all += std::to_string(part);
+    } else {
+      all += part;
+    }
+  };
+  (add(parts), ...);
+  return all;
+}
 
 /// `value` with `digits` digits after the decimal point. Never "-0".
 std::string decimal(double value, int digits);

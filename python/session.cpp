@@ -96,7 +96,8 @@ class LiveSession {
     }
     for (RenderRequest::Eye& eye : request.eyes) eye.settings.depth = depth_;
     // As Session::render does, but into frames that Python may keep.
-    const bool again = last_ && last_->request == request && !isIncremental(request.method) &&
+    const bool again = last_ && last_->request == request &&
+                       !methodInfo(request.method).incremental &&
                        (!request.hasTimeBudget() || last_->stats.full_quality);
     if (again) {
       record.method = last_->method;

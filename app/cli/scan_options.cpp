@@ -5,7 +5,7 @@
 
 #include "app/cli/option_values.h"
 #include "base/input_error.h"
-#include "render/scene/io/mesh_companions.h"
+#include "render/scene/io/mesh_files.h"
 
 namespace foci {
 namespace {

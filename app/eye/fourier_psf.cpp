@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "render/optics/colours.h"
-#include "render/optics/refraction.h"
 
 namespace foci {
 namespace {

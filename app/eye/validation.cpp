@@ -12,7 +12,7 @@
 #include "gaze/focus/accommodation.h"
 #include "gaze/focus/pupil.h"
 #include "render/methods/method.h"
-#include "render/optics/refraction.h"
+#include "render/optics/colours.h"
 
 namespace foci {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "render/optics/typical_eye.h"
+#include "render/optics/wavefront.h"
 
 namespace foci {
 

@@ -7,7 +7,7 @@
 
 namespace foci {
 
-/// The typical eye's pupil (typical_eye.h), rescaled and without refraction.
+/// The typical eye's pupil (`typicalWavefront`), rescaled and without refraction.
 Pupil typicalPupil(double pupil_m);
 
 /// Frequency at which focus is judged, cycles per degree, and the share of the best contrast there

@@ -15,7 +15,7 @@
 #include "app/study/view_remarks.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "render/lod/outline.h"
+#include "render/lod/moment_tree.h"
 
 namespace foci {
 namespace {

@@ -13,7 +13,6 @@
 #include "render/image/srgb.h"
 #include "render/methods/method.h"
 #ifdef FOCI_RAYTRACE
-#include "render/literature/raytrace/mesh_rays.h"
 #include "render/literature/raytrace/triangle_view.h"
 #endif
 

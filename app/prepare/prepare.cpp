@@ -13,13 +13,13 @@
 #include "app/prepare/prepare_report.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/lod/level_kernels.h"
+#include "render/lod/cut.h"
 #include "render/lod/moment_tree.h"
 #include "render/normalisation/kernel_sums.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/gaussian_tree.h"
 #include "render/scene/io/foci_file.h"
-#include "render/scene/io/mesh_companions.h"
+#include "render/scene/io/mesh_files.h"
 #include "render/scene/io/open_scene.h"
 
 namespace foci {

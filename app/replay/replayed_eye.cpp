@@ -73,7 +73,7 @@ void ReplayedEye::requireParts(std::size_t frame) const {
                      "the frames depend on the time that they take; expected a study without "
                      "quality.frame_ms (--set quality.frame_ms=null)");
   }
-  if (isIncremental(method)) {
+  if (methodInfo(method).incremental) {
     throw InputError("--frames",
                      "method " + method + " needs the previous frame; expected another method");
   }

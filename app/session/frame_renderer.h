@@ -18,7 +18,7 @@
 namespace foci {
 
 /// All that a frame depends on. Equal requests give equal frames, with two exceptions: `auto` under
-/// a frame-time budget, and methods that go on with the frame before (`isIncremental`).
+/// a frame-time budget, and methods that go on with the frame before (`MethodInfo::incremental`).
 struct RenderRequest {
   struct Eye {
     EyeView eye;

@@ -380,7 +380,7 @@ RenderedFrame& Session::renderKept(const RenderRequest& request, FrameRecord& re
   const bool done =
       again_is_useless || full_quality_ || isUnseen(record) || !request.hasTimeBudget();
   const bool lost = last_.on_gpu && !renderer_.gpu();  // the GPU has failed since then
-  if (done && !lost && last_.request == request && !isIncremental(request.method)) {
+  if (done && !lost && last_.request == request && !methodInfo(request.method).incremental) {
     last_.stats.ms = 0.0;
     last_.stats.gpu.reset();
   } else {

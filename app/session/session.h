@@ -73,8 +73,8 @@ class Session {
 
   /// Renders a request, and fills method, stats and `rendered` of its record. Reuses the previous
   /// frame if the request is the same and rendering it again would bring nothing new. It may do so
-  /// for a method that goes on with the frame before (`isIncremental`), and under a frame-time
-  /// budget until the frame has full quality.
+  /// for a method that goes on with the frame before (`MethodInfo::incremental`), and under a
+  /// frame-time budget until the frame has full quality.
   /// @param again_is_useless  as far as the caller knows
   /// @return until the next call
   const Frame& render(const RenderRequest& request, FrameRecord& record,
@@ -89,7 +89,7 @@ class Session {
 
   /// Passes over a frame: the next frames are as if this one had been rendered. `record` gets no
   /// method and no stats. Renders if the pupil follows luminance. Not for a method that goes on
-  /// with the frame before (`isIncremental`), nor under a frame-time budget.
+  /// with the frame before (`MethodInfo::incremental`), nor under a frame-time budget.
   void pass(const std::string& method, FrameRecord& record);
 
   /// Whether a frame of the request at full quality has been adopted.

@@ -13,7 +13,6 @@
 #include "gaze/focus/accommodation.h"
 #include "gaze/geometry/default_screen.h"
 #include "render/optics/colours.h"
-#include "render/optics/refraction.h"
 #include "render/optics/wavefront.h"
 
 namespace foci {
@@ -27,7 +26,7 @@ struct ObserverSettings {
   double pupil_mm = 4.0;  ///< where fixed, and until a recording says one
   double ipd_mm = 63.0;
   Refraction refraction{};  ///< what glasses do not correct; default: none
-  bool chromatic = false;   ///< red, green and blue each have their focus (refraction.h)
+  bool chromatic = false;   ///< red, green and blue each have their focus (colours.h)
   /// Of the left and the right eye, as measured; what `refraction` holds is left out.
   std::array<Wavefront, 2> wavefronts{};
   double spherical_um_per_D =

@@ -20,7 +20,7 @@
 #include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/gaussian_tree.h"
-#include "render/scene/io/mesh_companions.h"
+#include "render/scene/io/mesh_files.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/joined_scene.h"
 

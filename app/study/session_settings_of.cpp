@@ -10,7 +10,7 @@
 #include "app/study/wavefront_file.h"
 #include "base/input_error.h"
 #include "render/methods/method.h"
-#include "render/optics/typical_eye.h"
+#include "render/optics/wavefront.h"
 
 namespace foci {
 namespace {
@@ -121,7 +121,7 @@ SessionSettings sessionSettingsOf(const Study& study) {
 
 bool ellipsesAsCircles(const Study& study) {
   return eyesOf(study.observer).refraction.astigmatism_D != glm::vec2(0.0f) &&
-         !rendersEllipses(study.render.method);
+         !methodInfo(study.render.method).ellipses;
 }
 
 std::string eyeRemark(const Study& study) {
@@ -136,7 +136,7 @@ std::string eyeRemark(const Study& study) {
   }
   const bool aberrations = eyes.wavefronts[0] || eyes.wavefronts[1] || observer.stiles_crawford ||
                            observer.diffraction || observer.spherical_um_per_D != 0.0;
-  if (aberrations && !rendersAberrations(method)) {
+  if (aberrations && !methodInfo(method).aberrations) {
     remark += (remark.empty() ? "method " : " Method ") + method +
               " leaves out the observer's aberrations, diffraction and the Stiles-Crawford effect; "
               "auto, sweep:N, sweep-lod and accumulate:N render them.";

@@ -107,7 +107,7 @@ struct Study {
     double ipd_mm = 63.0;
     double sphere_D = 0.0, cylinder_D = 0.0, axis_deg = 0.0;  ///< the prescription of both eyes
     bool corrected = true;                                    ///< the prescription is worn
-    bool chromatic = false;                                   ///< see render/optics/refraction.h
+    bool chromatic = false;                                   ///< see render/optics/colours.h
     int wavelengths = 9;  ///< that the screen's spectra are rendered as
     WavefrontChoice wavefront;
     std::optional<double> age_years;           ///< typical aberrations; absent: none

@@ -211,7 +211,7 @@ std::string memoryRemark(const Study& study, const SurfelCloud& cloud, std::size
   // Surfels and splats; measured with 20 million surfels, of which half are in view.
   constexpr double kBytesASurfel = 130.0;
   const auto count = static_cast<double>(cloud.size());
-  if (cloud.size() <= large || rendersByLevels(study.render.method)) return "";
+  if (cloud.size() <= large || methodInfo(study.render.method).lod) return "";
   return "render.method = \"" + study.render.method + "\" renders each of " +
          decimal(count / 1e6, 1) + " million surfels and takes about " +
          decimal(count * kBytesASurfel / 1e9, 1) +

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/study/study.h"
-#include "render/lod/outline.h"
+#include "render/lod/moment_tree.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {

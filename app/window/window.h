@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "render/gl/context.h"
+#include "render/gl/device.h"
 
 struct GLFWmonitor;
 struct GLFWwindow;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/gaussians/composite.cpp"
@@ -11,7 +9,86 @@
 #include <hwy/highway.h>
 // After foreach_target.h:
 #include "render/gaussians/composite_tile-inl.h"
-#include "render/gaussians/interpolate_behind-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+
+/// Room for a row of samples, in whole vectors.
+inline constexpr std::size_t kRow = (kMostSamples + 15) / 16 * 16;
+
+/// A sample among those that it is interpolated from: the first of four, and their taps.
+struct Taps {
+  std::size_t first = 0;
+  std::array<float, 4> weights{};
+};
+
+/// Cubics (Catmull and Rom 1974). Beyond the edges, the parabola through the last three samples
+/// goes on.
+inline std::array<Taps, kMostSamples> tapsOf(const Resampling& resampling) {
+  const int last = resampling.from_samples - 1;
+  std::array<Taps, kMostSamples> taps;
+  for (int i = 0; i < resampling.to_samples; ++i) {
+    const float at = resampling.first + resampling.step * static_cast<float>(i);
+    const int below = std::min(static_cast<int>(at), last - 1);
+    const auto w = catmullRom(at - static_cast<float>(below));
+    Taps& each = taps[static_cast<std::size_t>(i)];
+    if (below == 0) {
+      each = {0, {w[1] + 3.0f * w[0], w[2] - 3.0f * w[0], w[3] + w[0], 0.0f}};
+    } else if (below == last - 1) {
+      each = {static_cast<std::size_t>(last - 3),
+              {0.0f, w[0] + w[3], w[1] - 3.0f * w[3], w[2] + 3.0f * w[3]}};
+    } else {
+      each = {static_cast<std::size_t>(below - 1), w};
+    }
+  }
+  return taps;
+}
+
+inline void interpolateBehindLanes(const Resampling& resampling, BehindPlanes& from,
+                                   BehindPlanes& to) {
+  const D d;
+  for (std::size_t p = 0; p < placesOf(resampling.from_samples); p += hn::Lanes(d)) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      float* const light = from.planes[BehindPlanes::light_red + c] + p;
+      const V display = hn::Load(d, from.planes[BehindPlanes::red + c] + p);
+      hn::Store(hn::Sub(hn::Load(d, light), lightOf(display)), d, light);
+    }
+  }
+  const auto taps = tapsOf(resampling);
+  const auto samples = static_cast<std::size_t>(resampling.to_samples);
+  alignas(64) float rows[kMostSamples][kRow] = {};
+  alignas(64) float row[kRow];
+  for (std::size_t plane = 0; plane < BehindPlanes::kPlanes; ++plane) {
+    for (std::size_t y = 0; y < static_cast<std::size_t>(resampling.from_samples); ++y) {
+      for (std::size_t x = 0; x < static_cast<std::size_t>(resampling.from_samples); ++x) {
+        row[x] = from.planes[plane][placeOf(resampling.from_samples, x, y)];
+      }
+      for (std::size_t x = 0; x < samples; ++x) {
+        const auto& [first, w] = taps[x];
+        rows[y][x] = w[0] * row[first] + w[1] * row[first + 1] + w[2] * row[first + 2] +
+                     w[3] * row[first + 3];
+      }
+    }
+    for (std::size_t y = 0; y < samples; ++y) {
+      const auto& [first, w] = taps[y];
+      for (std::size_t x = 0; x < samples; x += hn::Lanes(d)) {
+        V sum = hn::Mul(hn::Set(d, w[0]), hn::Load(d, rows[first] + x));
+        for (std::size_t k = 1; k < w.size(); ++k) {
+          sum = hn::MulAdd(hn::Set(d, w[k]), hn::Load(d, rows[first + k] + x), sum);
+        }
+        hn::Store(sum, d, row + x);
+      }
+      for (std::size_t x = 0; x < samples; x += kSquare) {
+        std::copy_n(row + x, kSquare, to.planes[plane] + placeOf(resampling.to_samples, x, y));
+      }
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace foci {

@@ -8,14 +8,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <numbers>
 
 #include "render/gaussians/composite.h"
 #include "render/gaussians/lane_functions-inl.h"
-#include "render/gaussians/vergences-inl.h"
-#include "render/splat/simd-inl.h"
+#include "render/kernel/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {

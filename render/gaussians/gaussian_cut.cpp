@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "base/parallel.h"
+#include "render/scene/tree_order.h"
 
 namespace foci {
 namespace {
@@ -42,7 +42,7 @@ class NodeSelector {
       select(level + 1, 2 * j + 1, last_level, cut, pending);
       return;
     }
-    const auto [begin, end] = gaussiansBelow(count_, level, j);
+    const auto [begin, end] = rangeBelow(count_, level, j);
     for (std::size_t i = begin; i < end; ++i) {
       cut.gaussians.push_back(static_cast<std::uint32_t>(i));
     }

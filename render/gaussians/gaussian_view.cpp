@@ -1,13 +1,11 @@
 #include "render/gaussians/gaussian_view.h"
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <numeric>
 
 #include "base/parallel.h"
 #include "render/image/srgb.h"
-#include "render/splat/interpolate.h"
 
 namespace foci {
 namespace {

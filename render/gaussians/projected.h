@@ -2,9 +2,7 @@
 // EWA Splatting, 2002; Kerbl et al. 2023).
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <glm/glm.hpp>
 #include <vector>
 
 #include "render/gaussians/gaussian_cut.h"

@@ -4,10 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
+#include "render/image/metrics.h"
 #include "render/image/srgb.h"
-#include "render/image/visible_difference.h"
 
 namespace foci {
 namespace {

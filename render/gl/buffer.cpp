@@ -3,8 +3,6 @@
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
-#include <string>
-
 #include "base/text.h"
 
 namespace foci {
@@ -14,19 +12,8 @@ GpuBuffer::~GpuBuffer() {
   device_->later([id = id_] { glDeleteBuffers(1, &id); });
 }
 
-void GpuBuffer::reserve(GpuDevice& device, std::size_t bytes, const char* what) {
-  if (bytes > bytes_) make(device, bytes, what, Kind::shader);
-}
-
-void GpuBuffer::reserveWindowed(GpuDevice& device, std::size_t bytes, const char* what) {
-  if (bytes > bytes_) make(device, bytes, what, Kind::windowed);
-}
-
-void GpuBuffer::reserveMapped(GpuDevice& device, std::size_t bytes, const char* what) {
-  if (bytes > bytes_) make(device, bytes, what, Kind::mapped);
-}
-
-void GpuBuffer::make(GpuDevice& device, std::size_t bytes, const char* what, Kind kind) {
+void GpuBuffer::reserve(GpuDevice& device, std::size_t bytes, const char* what, Kind kind) {
+  if (bytes <= bytes_) return;
   constexpr double kMiB = 1024.0 * 1024.0;
   const auto needs = [&] {
     return device.name() + ": " + what + " need" + " " +

@@ -3,15 +3,12 @@
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
-#include <algorithm>
-#include <array>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "render/gl/shader_text.h"
 
 namespace foci {
+
 namespace {
 
 /// Storage blocks that one stage uses at most.

@@ -1,19 +1,40 @@
-// The GPU: an OpenGL 4.5 context, and its programs.
+// The GPU: an OpenGL 4.5 context that one thread at a time makes current, its programs, and the stages
+// of a frame with their times.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "render/gl/context.h"
-
 namespace foci {
+
+class GpuContext {
+ public:
+  GpuContext() = default;
+  virtual ~GpuContext() = default;
+  GpuContext(const GpuContext&) = delete;
+  GpuContext& operator=(const GpuContext&) = delete;
+
+  /// @return false: it is lost, or the thread has another context that cannot be replaced
+  virtual bool makeCurrent() = 0;
+  /// The thread has the context that it had before `makeCurrent`.
+  virtual void release() = 0;
+};
+
+/// Opens contexts through EGL, which need neither a display nor a window, one after the other until
+/// `wants` keeps one. They have OpenGL 4.5 or newer where the driver has it.
+/// @param software  also contexts of drivers that render on the CPU
+/// @param wants     moves from the context to keep it; returns whether to go on
+void openEglContexts(bool software, const std::function<bool(std::unique_ptr<GpuContext>&)>& wants);
 
 struct GpuImageBuffers;
 struct GpuTextureStorage;
@@ -89,6 +110,21 @@ class GpuDevice {
   std::mutex pool_mutex;
   std::vector<std::shared_ptr<GpuImageBuffers>> image_pool;
   std::vector<std::shared_ptr<GpuTextureStorage>> texture_pool;
+};
+
+/// In their order. `present` interpolates the samples to pixels; reading the frame back is not in
+/// it.
+enum class GpuStage : std::uint8_t { cut, project, bin, sort, composite, present };
+inline constexpr std::array<std::string_view, 6> kGpuStages{"cut",  "project",   "bin",
+                                                            "sort", "composite", "present"};
+
+/// The device's times of a frame, ms, by `GpuStage`.
+struct GpuTimes {
+  std::array<double, kGpuStages.size()> stage_ms{};
+
+  void operator+=(const GpuTimes& other) {
+    for (std::size_t s = 0; s < stage_ms.size(); ++s) stage_ms.at(s) += other.stage_ms.at(s);
+  }
 };
 
 }  // namespace foci

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/gl/context.h"
+#include "render/gl/device.h"
 
 namespace foci {
 namespace {

@@ -1,24 +1,87 @@
-// The stages of a frame that surfels and Gaussians share: the entries of an LOD cut, tiles, their
-// sorted lists, and pixels. They know splats by their keys alone.
+// The stages of a frame that surfels and Gaussians share: the frame's parameters, the entries of an
+// LOD cut, tiles, their sorted lists, and pixels. They know splats by their keys alone.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "render/gl/buffer.h"
-#include "render/gl/frame_block.h"
+#include "render/gl/device.h"
 #include "render/gl/image.h"
-#include "render/gl/stages.h"
-#include "render/gl/windows.h"
-#include "render/gl/work_groups.h"
+#include "render/gl/scene.h"
+#include "render/gl/shader_text.h"
+#include "render/lod/cut.h"
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
 #include "render/splat/bin.h"
 
 namespace foci {
+
+struct GpuRequest {
+  View view;
+  Defocus defocus;
+  std::optional<CutSettings> cut;  ///< absent: every surfel, at full detail
+  Acuity acuity = {};              ///< width of the prefilter without a cut, which has its own
+  glm::vec2 lens{0.0f};            ///< `Projection::lens`
+  float aperture = 1.0f;           ///< `Projection::aperture`
+  float shading = 0.0f;
+  glm::vec3 background{0.0f};
+  bool depth = false;
+  float low_pass_px = 0.0f;                     ///< of `SweepSettings`
+  std::vector<glm::vec2> sub_aperture_centres;  ///< lens radii; up to one: none
+};
+
+struct GpuStats {
+  std::uint64_t splats = 0, fragments = 0;
+  GpuTimes times;
+};
+
+/// The parameters of a frame, as shaders/frame.glsl lays them out (std140).
+struct GpuFrameBlock {
+  glm::vec4 right{0.0f}, up{0.0f}, back{0.0f};
+  glm::vec4 focal_principal_px{0.0f}, view_px{0.0f}, blur_lens{0.0f}, focus{0.0f}, acuity{0.0f};
+  glm::vec4 cut{0.0f}, background_low_pass{0.0f}, meridian_oblong{0.0f};
+  glm::vec4 sub_aperture_shading{0.0f};
+  glm::ivec4 size{0}, cells{0}, scene{0}, room{0}, cut_switches{0};
+};
+static_assert(sizeof(GpuFrameBlock) == 17 * sizeof(glm::vec4));
+
+/// What the GPU reads and counts: shaders/totals.glsl (std430).
+struct GpuTotals {
+  std::uint32_t cut_nodes = 0, cut_entries = 0, cut_whole = 0;
+  std::uint32_t nearest = 0xFFFFFFFFu, farthest = 0;
+  std::uint32_t list_entries = 0, splats = 0;
+  std::uint32_t work[3] = {};
+  std::uint32_t fragments_low = 0, fragments_high = 0;
+  std::uint32_t longest_list = 0, sweep_rounds = 0;
+  std::uint32_t unused[2] = {};
+  glm::uvec4 project_groups{0, 1, 1, 0};
+  glm::uvec4 sweep_groups[3] = {{0, 1, 1, 0}, {0, 1, 1, 0}, {0, 1, 1, 0}};
+};
+static_assert(sizeof(GpuTotals) == 128);
+
+inline std::uint64_t fragmentsOf(const GpuTotals& totals) {
+  return std::uint64_t{totals.fragments_high} << 32 | totals.fragments_low;
+}
+
+/// What surfels and Gaussians have in common: the view, the lens without its aperture, and acuity.
+GpuFrameBlock viewBlockOf(const View& view, const Defocus& defocus, const Acuity& acuity);
+
+/// Whether the request blurs.
+bool blurs(const GpuRequest& request);
+
+/// Whether samples may be more than a pixel apart.
+bool mayBeCoarse(const GpuRequest& request);
+
+/// All but `room`.
+GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene);
 
 /// Keeps its buffers between frames. Needs a `GpuDevice::Use`, but for its destructor.
 class GpuFrameStages {

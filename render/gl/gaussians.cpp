@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cstddef>
 #include <limits>
 #include <string>
 #include <utility>
@@ -39,49 +38,8 @@ std::vector<ListedGaussian> gaussiansOf(std::span<const glm::uvec2> listed) {
 
 }  // namespace
 
-class GpuGaussians::Pipeline {
- public:
-  explicit Pipeline(std::shared_ptr<const GpuGaussianScene> scene)
-      : scene_(std::move(scene)), device_(scene_->device()), stages_(device_) {}
-
-  GpuStats project(const View& view, const Defocus& defocus,
-                   const std::vector<SubApertureSize>& sizes, const GaussianCutSettings* lod);
-  GpuStats render(const std::vector<LensDisc>& discs, const GpuCompositing& how,
-                  std::shared_ptr<GpuImage>& image);
-  const std::vector<Tile>& tiles();
-  const std::vector<TileLayers>& divide(bool several);
-  GpuStats render(std::span<const TileLens> lenses, const GpuCompositing& how,
-                  std::shared_ptr<GpuImage>& image, std::vector<SampledErrors>* errors);
-  const std::shared_ptr<const GpuGaussianScene>& scene() const { return scene_; }
-
- private:
-  struct Buffers {
-    GpuBuffer sizes;
-    GpuProjected projected;    // by entry
-    GpuBuffer weights, radii;  // by tile
-  };
-
-  GpuFrameBlock blockOf(const View& view, const Defocus& defocus,
-                        const GaussianCutSettings* lod) const;
-  void start(const GpuFrameBlock& block, bool cut, const std::vector<SubApertureSize>& sizes);
-  void selectCut(float max_px2);
-  void projectEntries(bool cut, std::size_t sizes);
-  void readTiles();
-  GpuStats show(const GpuImage& image, const GpuBuffer* weights);
-
-  std::shared_ptr<const GpuGaussianScene> scene_;
-  std::shared_ptr<GpuDevice> device_;
-  GpuFrameStages stages_;
-  Buffers own_;
-  GpuGaussianLayers layers_{device_};
-  // Of the last projection; empty: not read, not divided.
-  std::vector<GpuTile> on_gpu_;
-  std::vector<Tile> tiles_;
-  std::vector<TileLayers> divided_;
-};
-
-GpuFrameBlock GpuGaussians::Pipeline::blockOf(const View& view, const Defocus& defocus,
-                                              const GaussianCutSettings* lod) const {
+GpuFrameBlock GpuGaussians::blockOf(const View& view, const Defocus& defocus,
+                                    const GaussianCutSettings* lod) const {
   GpuFrameBlock block = viewBlockOf(view, defocus, lod ? lod->acuity : Acuity{});
   if (lod) block.cut = {lod->per_blur2, lod->per_pixel2, lod->per_acuity2, view.near_m};
   block.size.w = lod != nullptr;
@@ -90,8 +48,8 @@ GpuFrameBlock GpuGaussians::Pipeline::blockOf(const View& view, const Defocus& d
   return block;
 }
 
-void GpuGaussians::Pipeline::start(const GpuFrameBlock& block, bool cut,
-                                   const std::vector<SubApertureSize>& sizes) {
+void GpuGaussians::start(const GpuFrameBlock& block, bool cut,
+                         const std::vector<SubApertureSize>& sizes) {
   stages_.start(block, cut);
   const std::size_t entries = stages_.entryRoom();
   own_.projected.a.reserve(*device_, entries * 2 * kVector_bytes, "the projected Gaussians");
@@ -101,7 +59,7 @@ void GpuGaussians::Pipeline::start(const GpuFrameBlock& block, bool cut,
   own_.sizes.write(0, sizes.size() * sizeof(SubApertureSize), sizes.data());
 }
 
-void GpuGaussians::Pipeline::selectCut(float max_px2) {
+void GpuGaussians::selectCut(float max_px2) {
   const GpuGaussianScene::Buffers& scene = scene_->buffers();
   const GpuFrameStages::Buffers& common = stages_.buffers();
   for (int level = 0; level < scene_->levels(); ++level) {
@@ -114,7 +72,7 @@ void GpuGaussians::Pipeline::selectCut(float max_px2) {
   stages_.gatherCut();
 }
 
-void GpuGaussians::Pipeline::projectEntries(bool cut, std::size_t sizes) {
+void GpuGaussians::projectEntries(bool cut, std::size_t sizes) {
   const GpuGaussianScene::Buffers& scene = scene_->buffers();
   const GpuFrameStages::Buffers& common = stages_.buffers();
   const bool harmonics = scene_->degree() > 0;
@@ -140,9 +98,9 @@ void GpuGaussians::Pipeline::projectEntries(bool cut, std::size_t sizes) {
   }
 }
 
-GpuStats GpuGaussians::Pipeline::project(const View& view, const Defocus& defocus,
-                                         const std::vector<SubApertureSize>& sizes,
-                                         const GaussianCutSettings* lod) {
+GpuStats GpuGaussians::project(const View& view, const Defocus& defocus,
+                               const std::vector<SubApertureSize>& sizes,
+                               const GaussianCutSettings* lod) {
   assert(!lod || scene_->levels() > 0);
   const GpuDevice::Use use(*device_);
   tiles_.clear();
@@ -164,7 +122,7 @@ GpuStats GpuGaussians::Pipeline::project(const View& view, const Defocus& defocu
   return {.splats = totals.splats, .times = stages_.times()};
 }
 
-void GpuGaussians::Pipeline::readTiles() {
+void GpuGaussians::readTiles() {
   if (!tiles_.empty()) return;
   const GpuDevice::Use use(*device_);
   const GpuFrameStages::Buffers& common = stages_.buffers();
@@ -183,12 +141,12 @@ void GpuGaussians::Pipeline::readTiles() {
   }
 }
 
-const std::vector<Tile>& GpuGaussians::Pipeline::tiles() {
+const std::vector<Tile>& GpuGaussians::tiles() {
   readTiles();
   return tiles_;
 }
 
-const std::vector<TileLayers>& GpuGaussians::Pipeline::divide(bool several) {
+const std::vector<TileLayers>& GpuGaussians::divide(bool several) {
   readTiles();
   const GpuDevice::Use use(*device_);
   const GpuFrameStages::Buffers& common = stages_.buffers();
@@ -219,7 +177,7 @@ const std::vector<TileLayers>& GpuGaussians::Pipeline::divide(bool several) {
   return divided_;
 }
 
-GpuStats GpuGaussians::Pipeline::show(const GpuImage& image, const GpuBuffer* weights) {
+GpuStats GpuGaussians::show(const GpuImage& image, const GpuBuffer* weights) {
   stages_.note(GpuStage::composite);
   stages_.interpolate(image, weights);
   stages_.note(GpuStage::present);
@@ -228,9 +186,8 @@ GpuStats GpuGaussians::Pipeline::show(const GpuImage& image, const GpuBuffer* we
   return {.fragments = fragmentsOf(totals), .times = stages_.times()};
 }
 
-GpuStats GpuGaussians::Pipeline::render(const std::vector<LensDisc>& discs,
-                                        const GpuCompositing& how,
-                                        std::shared_ptr<GpuImage>& image) {
+GpuStats GpuGaussians::render(const std::vector<LensDisc>& discs, const GpuCompositing& how,
+                              std::shared_ptr<GpuImage>& image) {
   const GpuDevice::Use use(*device_);
   image = nullptr;  // its buffers can be used again
   image = std::make_shared<GpuImage>(device_, glm::ivec2(stages_.block().size), how.depth);
@@ -241,9 +198,9 @@ GpuStats GpuGaussians::Pipeline::render(const std::vector<LensDisc>& discs,
   return show(*image, nullptr);
 }
 
-GpuStats GpuGaussians::Pipeline::render(std::span<const TileLens> lenses, const GpuCompositing& how,
-                                        std::shared_ptr<GpuImage>& image,
-                                        std::vector<SampledErrors>* errors) {
+GpuStats GpuGaussians::render(std::span<const TileLens> lenses, const GpuCompositing& how,
+                              std::shared_ptr<GpuImage>& image,
+                              std::vector<SampledErrors>* errors) {
   assert(lenses.size() == divided_.size());
   const GpuDevice::Use use(*device_);
   if (!image) {
@@ -266,37 +223,66 @@ GpuStats GpuGaussians::Pipeline::render(std::span<const TileLens> lenses, const 
   return stats;
 }
 
-GpuGaussians::GpuGaussians(std::shared_ptr<const GpuGaussianScene> scene)
-    : pipeline_(std::make_unique<Pipeline>(std::move(scene))) {}
-GpuGaussians::~GpuGaussians() = default;
-GpuGaussians::GpuGaussians(GpuGaussians&&) noexcept = default;
-GpuGaussians& GpuGaussians::operator=(GpuGaussians&&) noexcept = default;
-
-GpuStats GpuGaussians::project(const View& view, const Defocus& defocus,
-                               const std::vector<SubApertureSize>& sizes,
-                               const GaussianCutSettings* lod) {
-  return pipeline_->project(view, defocus, sizes, lod);
+GpuGaussianScene::GpuGaussianScene(std::shared_ptr<GpuDevice> device, const GaussianCloud& cloud)
+    : device_(std::move(device)),
+      size_(cloud.size()),
+      degree_(cloud.degree),
+      preserves_light_(cloud.preserves_light) {
+  const GpuDevice::Use use(*device_);
+  upload(cloud, nullptr, "the Gaussians", buffers_.gaussians);
+  if (!cloud.tree) return;
+  const GaussianTree& tree = *cloud.tree;
+  levels_ = tree.levels;
+  nodes_ = tree.nodes.size();
+  upload(tree.nodes, tree.growth_per_m2.data(), "the nodes", buffers_.nodes);
+  foci::upload(*device_, buffers_.node_places, nodes_, 1, "the nodes", false,
+               [&](std::size_t i, glm::vec4* to) {
+                 to[0] = {tree.nodes.position_m[i], tree.radius_m[i]};
+               });
+  foci::upload<float>(*device_, buffers_.node_spreads, nodes_, 1, "the nodes", false,
+                      [&](std::size_t i, float* to) { to[0] = tree.spread_m2[i]; });
 }
 
-GpuStats GpuGaussians::render(const std::vector<LensDisc>& discs, const GpuCompositing& how,
-                              std::shared_ptr<GpuImage>& image) {
-  return pipeline_->render(discs, how, image);
+std::size_t GpuGaussianScene::harmonics_bytes() const {
+  const auto numbers = 3 * static_cast<std::size_t>(harmonicsOf(degree_));
+  return (numbers + 1) / 2 * sizeof(std::uint32_t);
 }
 
-const std::vector<Tile>& GpuGaussians::tiles() { return pipeline_->tiles(); }
-
-const std::vector<TileLayers>& GpuGaussians::divide(bool several) {
-  return pipeline_->divide(several);
+std::size_t GpuGaussianScene::widest_bytes() const {
+  return std::max(kGaussian_bytes, harmonics_bytes());
 }
 
-GpuStats GpuGaussians::render(std::span<const TileLens> lenses, const GpuCompositing& how,
-                              std::shared_ptr<GpuImage>& image,
-                              std::vector<SampledErrors>* errors) {
-  return pipeline_->render(lenses, how, image, errors);
+std::size_t GpuGaussianScene::windows() const {
+  return std::max({windowsOver(*device_, widest_bytes(), nodes_),
+                   windowsOver(*device_, widest_bytes(), size_), std::size_t{1}});
 }
 
-const std::shared_ptr<const GpuGaussianScene>& GpuGaussians::scene() const {
-  return pipeline_->scene();
+GpuWindow GpuGaussianScene::window(std::size_t i, std::size_t all) const {
+  return windowOf(*device_, i, widest_bytes(), all);
+}
+
+void GpuGaussianScene::upload(const GaussianCloud& cloud, const float* growth_per_m2,
+                              const char* what, Array& to) {
+  foci::upload(*device_, to.gaussians, cloud.size(), 4, what, true,
+               [&](std::size_t i, glm::vec4* vectors) {
+                 const Covariance3& v = cloud.covariance_m2[i];
+                 vectors[0] = {cloud.position_m[i], cloud.opacity[i]};
+                 vectors[1] = {v.xx, v.xy, v.xz, v.yy};
+                 vectors[2] = {v.yz, v.zz, growth_per_m2 ? growth_per_m2[i] : 0.0f, 0.0f};
+                 vectors[3] = {cloud.color[i], 0.0f};
+               });
+  if (cloud.degree == 0) return;
+  const std::size_t numbers = cloud.harmonicsPerGaussian();
+  foci::upload<std::uint32_t>(
+      *device_, to.harmonics, cloud.size(), (numbers + 1) / 2, what, true,
+      [&](std::size_t i, std::uint32_t* words) {
+        const auto number = [&](std::size_t k) {
+          return k < numbers ? static_cast<std::uint16_t>(cloud.harmonics[i * numbers + k])
+                             : std::uint16_t{0};
+        };
+        for (std::size_t k = 0; k < numbers; k += 2)
+          words[k / 2] = packed(number(k), number(k + 1));
+      });
 }
 
 }  // namespace foci

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <utility>
 
-#include "render/gl/work_groups.h"
+#include "render/gl/shader_text.h"
 
 namespace foci {
 namespace {
@@ -51,7 +51,7 @@ void GpuImage::startRead() {
   if (copied_) return;
   const std::size_t pixels = std::max<std::size_t>(pixelsOf(size_px()), 1);
   const auto copy = [&](const GpuBuffer& from, GpuBuffer& to, std::size_t bytes) {
-    to.reserveMapped(*device_, bytes, "the copies of an image");
+    to.reserve(*device_, bytes, "the copies of an image", GpuBuffer::Kind::mapped);
     glCopyNamedBufferSubData(from.id(), to.id(), 0, 0, static_cast<GLsizeiptr>(bytes));
   };
   copy(buffers_->pixels, buffers_->host_pixels, pixels * sizeof(glm::vec4));

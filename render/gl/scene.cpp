@@ -5,11 +5,10 @@
 #include <glm/glm.hpp>
 #include <utility>
 
-#include "render/gl/scene_buffers.h"
-#include "render/gl/upload.h"
 #include "render/kernel/kernel.h"
 
 namespace foci {
+
 namespace {
 
 std::uint32_t packedNormal(const LodNode& node) {
@@ -39,8 +38,6 @@ GpuScene::GpuScene(std::shared_ptr<GpuDevice> device, const MomentTree& tree)
   uploadNodes(tree);
 }
 
-GpuScene::~GpuScene() = default;
-
 std::size_t GpuScene::windows() const {
   return std::max({windowsOver(*device_, kNode_bytes, nodes_),
                    windowsOver(*device_, kSurfel_bytes, surfels_), std::size_t{1}});
@@ -55,23 +52,22 @@ GpuWindow GpuScene::surfelWindow(std::size_t i) const {
 }
 
 void GpuScene::uploadSurfels(const SurfelCloud& cloud) {
-  buffers_ = std::make_unique<Buffers>();
   surfels_ = cloud.size();
   oriented_ = cloud.oriented;
   transparent_ = !cloud.opacity.empty();
   bodies_.boxes = cloud.bodies.boxes;
   const MappedVector<std::uint16_t>& body = cloud.bodies.of_surfel;
-  upload(*device_, buffers_->surfels_a, surfels_, 2, "the surfels", true,
+  upload(*device_, buffers_.surfels_a, surfels_, 2, "the surfels", true,
          [&](std::size_t i, glm::vec4* to) {
            to[0] = {cloud.position_m[i], transparent_ ? cloud.opacity[i] : 1.0f};
            to[1] = {cloud.axis_u_m[i], cloud.area_m2[i]};
          });
-  upload(*device_, buffers_->surfels_b, surfels_, 2, "the surfels", true,
+  upload(*device_, buffers_.surfels_b, surfels_, 2, "the surfels", true,
          [&](std::size_t i, glm::vec4* to) {
            to[0] = {cloud.axis_v_m[i], body.empty() ? 0.0f : static_cast<float>(body[i])};
            to[1] = {cloud.color[i], 0.0f};
          });
-  upload(*device_, buffers_->shapes, kShapeSteps + 1, 1, "the kernels", false,
+  upload(*device_, buffers_.shapes, kShapeSteps + 1, 1, "the kernels", false,
          [](std::size_t i, glm::vec4* to) {
            const KernelShape& shape =
                kernelShape(kMaxExponent * static_cast<float>(i) / kShapeSteps);
@@ -82,12 +78,12 @@ void GpuScene::uploadSurfels(const SurfelCloud& cloud) {
 void GpuScene::uploadNodes(const MomentTree& tree) {
   levels_ = tree.levels();
   const std::size_t count = nodes_ = tree.nodes().size();
-  upload(*device_, buffers_->node_places, count, 1, "the nodes", false,
+  upload(*device_, buffers_.node_places, count, 1, "the nodes", false,
          [&](std::size_t i, glm::vec4* to) {
            to[0] = {tree.nodes()[i].position_m, tree.nodes()[i].radius_m};
          });
   // As bits: a float would lose what is packed where its bits are a denormal number.
-  upload<glm::uvec4>(*device_, buffers_->nodes, count, 3, "the nodes", true,
+  upload<glm::uvec4>(*device_, buffers_.nodes, count, 3, "the nodes", true,
                      [&](std::size_t i, glm::uvec4* to) {
                        const LodNode& node = tree.nodes()[i];
                        const float* v = node.variance_m2;
@@ -96,7 +92,7 @@ void GpuScene::uploadNodes(const MomentTree& tree) {
                        to[2] = bitsOf(node.color, packedNormal(node));
                      });
   upload<glm::uvec4>(
-      *device_, buffers_->coarseness, count, 1, "the nodes", false,
+      *device_, buffers_.coarseness, count, 1, "the nodes", false,
       [&](std::size_t i, glm::uvec4* to) {
         const LodNode& node = tree.nodes()[i];
         const Coarseness& coarse = tree.coarseness()[i];
@@ -105,8 +101,8 @@ void GpuScene::uploadNodes(const MomentTree& tree) {
   const std::span<const Facing> facing = tree.facing();
   static_assert(sizeof facing[0] == sizeof(std::uint32_t));
   if (facing.empty()) return;
-  buffers_->facing.reserve(*device_, count * sizeof facing[0], "the nodes");
-  buffers_->facing.write(0, count * sizeof facing[0], facing.data());
+  buffers_.facing.reserve(*device_, count * sizeof facing[0], "the nodes");
+  buffers_.facing.write(0, count * sizeof facing[0], facing.data());
 }
 
 }  // namespace foci

@@ -3,8 +3,8 @@
 
 #include <memory>
 
+#include "render/gl/buffer.h"
 #include "render/gl/device.h"
-#include "render/gl/windows.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/surfel_cloud.h"
 
@@ -16,7 +16,6 @@ class GpuScene {
   /// Copies the scene to the GPU. Throws GpuError where the scene is too large for it.
   GpuScene(std::shared_ptr<GpuDevice> device, const SurfelCloud& cloud);
   GpuScene(std::shared_ptr<GpuDevice> device, const MomentTree& tree);
-  ~GpuScene();
   GpuScene(const GpuScene&) = delete;
   GpuScene& operator=(const GpuScene&) = delete;
 
@@ -33,15 +32,23 @@ class GpuScene {
   GpuWindow nodeWindow(std::size_t i) const;
   GpuWindow surfelWindow(std::size_t i) const;
 
-  struct Buffers;
-  const Buffers& buffers() const { return *buffers_; }
+  /// As the shaders read them.
+  struct Buffers {
+    GpuBuffer surfels_a, surfels_b;  // (position, opacity), (u, area); (v, body), (colour, 0)
+    GpuBuffer node_places;           // (position, radius)
+    GpuBuffer nodes;       // variance xx xy xz yy, (yz, zz, density, own|opacity), (colour, normal)
+    GpuBuffer coarseness;  // now, min, `LodNode::added_m2`, packed normal
+    GpuBuffer facing;      // body | cos_cone, where there are bodies
+    GpuBuffer shapes;      // the table of kernel.h: k0, k1, k2, support2
+  };
+  const Buffers& buffers() const { return buffers_; }
 
  private:
   void uploadSurfels(const SurfelCloud& cloud);
   void uploadNodes(const MomentTree& tree);
 
   std::shared_ptr<GpuDevice> device_;
-  std::unique_ptr<Buffers> buffers_;
+  Buffers buffers_;
   std::size_t surfels_ = 0, nodes_ = 0;
   int levels_ = 0;
   bool oriented_ = false, transparent_ = false;

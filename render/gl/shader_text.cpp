@@ -6,12 +6,9 @@
 
 #include "render/gaussians/gaussian_cut.h"
 #include "render/gaussians/projected.h"
-#include "render/gl/gaussian_jobs.h"
-#include "render/gl/shader_sources.h"
-#include "render/gl/work_groups.h"
-#include "render/image/visible_difference.h"
+#include "render/gl/gaussian_layers.h"
+#include "render/image/metrics.h"
 #include "render/kernel/kernel.h"
-#include "render/kernel/limits.h"
 #include "render/kernel/pixel_edge.h"
 #include "render/lod/back_faces.h"
 #include "render/lod/cut.h"
@@ -21,6 +18,7 @@
 #include "render/splat/constants.h"
 
 namespace foci {
+
 namespace {
 
 std::string literal(float value) {

@@ -7,45 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "render/gl/buffer.h"
-#include "render/gl/frame_block.h"
-#include "render/gl/frame_stages.h"
-#include "render/gl/scene_buffers.h"
-
 namespace foci {
 
-class GpuSplats::Pipeline {
- public:
-  explicit Pipeline(std::shared_ptr<const GpuScene> scene)
-      : scene_(std::move(scene)), device_(scene_->device()), stages_(device_) {}
-
-  GpuStats render(const GpuRequest& request, std::shared_ptr<GpuImage>& image);
-  const std::shared_ptr<const GpuScene>& scene() const { return scene_; }
-
- private:
-  struct Buffers {
-    GpuBuffer outside;
-    GpuBuffer bounds;                               // of the cut
-    GpuBuffer splats_a, splats_b, lenses, sharper;  // by entry
-    GpuBuffer overlaps;                             // by tile
-    GpuBuffer centres;
-  };
-
-  void start(const GpuRequest& request);
-  void makeRoom(const GpuRequest& request);
-  void selectCut();
-  void project();
-  void sweep(const GpuRequest& request);
-
-  std::shared_ptr<const GpuScene> scene_;
-  std::shared_ptr<GpuDevice> device_;
-  GpuFrameStages stages_;
-  Buffers own_;
-  bool cut_ = false, blurred_ = false, astigmatic_ = false, by_sub_apertures_ = false;
-  bool bodies_ = false;
-};
-
-void GpuSplats::Pipeline::start(const GpuRequest& request) {
+void GpuSplats::start(const GpuRequest& request) {
   GpuFrameBlock block = frameBlockOf(request, *scene_);
   cut_ = request.cut.has_value() && scene_->levels() > 0;
   blurred_ = block.cells.z != 0;
@@ -66,7 +30,7 @@ void GpuSplats::Pipeline::start(const GpuRequest& request) {
   }
 }
 
-void GpuSplats::Pipeline::makeRoom(const GpuRequest& request) {
+void GpuSplats::makeRoom(const GpuRequest& request) {
   const auto room = [&](GpuBuffer& buffer, std::size_t bytes, const char* what) {
     buffer.reserve(*device_, bytes, what);
   };
@@ -93,7 +57,7 @@ void GpuSplats::Pipeline::makeRoom(const GpuRequest& request) {
   own_.overlaps.fill(0, stages_.tileCount() * sizeof(GLuint));
 }
 
-void GpuSplats::Pipeline::selectCut() {
+void GpuSplats::selectCut() {
   const GpuScene::Buffers& scene = scene_->buffers();
   const GpuFrameStages::Buffers& common = stages_.buffers();
   for (int level = 0; level < scene_->levels(); ++level) {
@@ -107,7 +71,7 @@ void GpuSplats::Pipeline::selectCut() {
   stages_.gatherCut();
 }
 
-void GpuSplats::Pipeline::project() {
+void GpuSplats::project() {
   const GpuScene::Buffers& scene = scene_->buffers();
   const GpuFrameStages::Buffers& common = stages_.buffers();
   std::string defines;
@@ -132,7 +96,7 @@ void GpuSplats::Pipeline::project() {
   }
 }
 
-void GpuSplats::Pipeline::sweep(const GpuRequest& request) {
+void GpuSplats::sweep(const GpuRequest& request) {
   const GpuFrameStages::Buffers& common = stages_.buffers();
   GLuint program = 0;
   std::string variant;
@@ -158,7 +122,7 @@ void GpuSplats::Pipeline::sweep(const GpuRequest& request) {
   }
 }
 
-GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, std::shared_ptr<GpuImage>& image) {
+GpuStats GpuSplats::render(const GpuRequest& request, std::shared_ptr<GpuImage>& image) {
   const GpuDevice::Use use(*device_);
   image = nullptr;  // its buffers can be used again
   image = std::make_shared<GpuImage>(device_, request.view.size_px, request.depth);
@@ -180,17 +144,5 @@ GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, std::shared_ptr<
   stages_.checkLoops(totals);
   return {.splats = totals.splats, .fragments = fragmentsOf(totals), .times = stages_.times()};
 }
-
-GpuSplats::GpuSplats(std::shared_ptr<const GpuScene> scene)
-    : pipeline_(std::make_unique<Pipeline>(std::move(scene))) {}
-GpuSplats::~GpuSplats() = default;
-GpuSplats::GpuSplats(GpuSplats&&) noexcept = default;
-GpuSplats& GpuSplats::operator=(GpuSplats&&) noexcept = default;
-
-GpuStats GpuSplats::render(const GpuRequest& request, std::shared_ptr<GpuImage>& image) {
-  return pipeline_->render(request, image);
-}
-
-const std::shared_ptr<const GpuScene>& GpuSplats::scene() const { return pipeline_->scene(); }
 
 }  // namespace foci

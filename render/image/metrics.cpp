@@ -1,10 +1,15 @@
+// Without OpenCV: its first conversion to L*a*b* in a process takes longer than a frame, since it
+// fills a table in software floating point and looks for OpenCL. `auto` compares squares in its
+// first frame.
+
 #include "render/image/metrics.h"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
-#include "render/image/filter.h"
+
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -79,6 +84,38 @@ void stampDisc(std::vector<std::uint8_t>& band, const glm::ivec2& size_px, const
     std::fill_n(band.begin() + static_cast<std::ptrdiff_t>(y) * size_px.x + from, to - from + 1,
                 std::uint8_t{1});
   }
+}
+
+constexpr double kEye_deg = 0.5 / 60.0;  // standard deviation of the blur of an eye in focus
+
+/// The Gaussian is cut off at this many standard deviations, where it is 0.0003 of its peak.
+constexpr double kReach = 4.0;
+
+/// Half of a Gaussian's samples from the middle on. All samples sum to one.
+std::vector<float> gaussianFromMiddle(double sigma_px) {
+  const auto reach_px = static_cast<std::size_t>(std::ceil(kReach * sigma_px));
+  std::vector<double> half(reach_px + 1);
+  double sum = 0.0;
+  for (std::size_t i = 0; i <= reach_px; ++i) {
+    const double x = static_cast<double>(i) / sigma_px;
+    half[i] = std::exp(-0.5 * x * x);
+    sum += i == 0 ? half[i] : 2.0 * half[i];
+  }
+  std::vector<float> weights;
+  weights.reserve(half.size());
+  for (const double each : half) weights.push_back(static_cast<float>(each / sum));
+  return weights;
+}
+
+/// CIE 1976 L*a*b* of linear RGB.
+glm::vec3 labOf(const glm::vec3& rgb) {
+  const auto curve = [](float t) {
+    return t > kLinearBelow ? static_cast<float>(std::cbrt(double{t}))
+                            : kLinearSlope * t + 16.0f / 116.0f;
+  };
+  const glm::vec3 xyz = kXyzOfWhite * rgb;
+  return kLabOfCurve * glm::vec3(curve(xyz.x), curve(xyz.y), curve(xyz.z)) -
+         glm::vec3(16.0f, 0.0f, 0.0f);
 }
 
 }  // namespace
@@ -172,6 +209,46 @@ std::optional<double> silhouettePsnr_dB(const Frame& a, const Frame& b,
   }
   if (pixels == 0) return std::nullopt;
   return psnrOfSum_dB(sum, pixels);
+}
+
+std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg) {
+  assert(a.size_px == b.size_px);
+  return visibleDifference(a, labOf(b, px_per_deg), px_per_deg);
+}
+
+std::vector<glm::vec3> labOf(const Frame& frame, double px_per_deg) {
+  assert(px_per_deg > 0.0);
+  std::vector<glm::vec4> pixels = frame.rgba;
+  for (glm::vec4& pixel : pixels) pixel = glm::clamp(pixel, 0.0f, 1.0f);
+  filterSeparably(pixels, frame.size_px, gaussianFromMiddle(kEye_deg * px_per_deg),
+                  ImageBorder::replicate);
+  std::vector<glm::vec3> lab(pixels.size());
+  parallelFor(lab.size(), [&](std::size_t i) { lab[i] = labOf(glm::vec3(pixels[i])); });
+  return lab;
+}
+
+std::vector<float> visibleDifference(const Frame& a, const std::vector<glm::vec3>& lab_b,
+                                     double px_per_deg) {
+  assert(a.rgba.size() == lab_b.size());
+  const std::vector<glm::vec3> lab_a = labOf(a, px_per_deg);
+  std::vector<float> difference(a.rgba.size());
+  for (std::size_t i = 0; i < difference.size(); ++i) {
+    difference[i] = glm::distance(lab_a[i], lab_b[i]) / kJustNoticeable;
+  }
+  return difference;
+}
+
+glm::mat3 visibleDifferencePerLight(const glm::vec3& rgb) {
+  const auto slope = [](float t) {
+    const auto root = static_cast<float>(std::cbrt(double{t}));
+    return t > kLinearBelow ? 1.0f / (3.0f * root * root) : kLinearSlope;
+  };
+  const glm::vec3 xyz = kXyzOfWhite * glm::clamp(rgb, 0.0f, 1.0f);
+  glm::mat3 per_light = kXyzOfWhite;
+  for (int i = 0; i < 3; ++i) {
+    per_light[i] *= glm::vec3(slope(xyz.x), slope(xyz.y), slope(xyz.z)) / kJustNoticeable;
+  }
+  return kLabOfCurve * per_light;
 }
 
 }  // namespace foci

@@ -1,8 +1,9 @@
-// Differences of two frames in linear light. The frames have the same size (asserted), the peak
-// is 1.
+// Differences of two frames in linear light, also as an eye sees them: in just-noticeable
+// differences (JND). The frames have the same size (asserted), the peak is 1.
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <optional>
 #include <vector>
 
@@ -39,5 +40,41 @@ std::vector<std::uint8_t> silhouetteBand(const Frame& pinhole, const Defocus& de
 /// @param band  one entry for each pixel (asserted)
 std::optional<double> silhouettePsnr_dB(const Frame& a, const Frame& b,
                                         const std::vector<std::uint8_t>& band);
+
+/// Resolution of a 96 dpi screen 0.6 m away, for errors that are measured without a screen.
+inline constexpr double kUsualPx_per_deg = 40.0;
+
+/// A just-noticeable difference of L*a*b* (Mahy, Van Eycken and Oosterlinck 1994).
+inline constexpr float kJustNoticeable = 2.3f;
+
+/// Linear RGB with the primaries of sRGB to CIE XYZ, in units of the white D65.
+inline const glm::mat3 kXyzOfWhite =
+    glm::transpose(glm::mat3(glm::vec3(0.412453f, 0.357580f, 0.180423f) / 0.950456f,
+                             glm::vec3(0.212671f, 0.715160f, 0.072169f),
+                             glm::vec3(0.019334f, 0.119193f, 0.950227f) / 1.088754f));
+/// L*a*b* is this times the curve of XYZ, but for L* = -16 at 0.
+inline const glm::mat3 kLabOfCurve(0.0f, 500.0f, 0.0f, 116.0f, -500.0f, 200.0f, 0.0f, 0.0f,
+                                   -200.0f);
+/// The curve is x^(1/3) from the first on, and below a line of the second as slope.
+inline constexpr float kLinearBelow = 0.008856f, kLinearSlope = 7.787f;
+
+/// CIE 1976 L*a*b* difference of each pixel, in JND.
+/// Before, both frames are blurred like an eye in focus, by a Gaussian of 0.5 arcmin standard
+/// deviation: a grating of 40 cycles a degree keeps a tenth of its contrast. White is the
+/// display's, and brighter light is clamped to it.
+/// @param px_per_deg  resolution at the middle of the display; positive (asserted)
+/// @return row-major, one for each pixel. Both frames have the same size (asserted).
+std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
+
+/// A frame as this eye sees it, row-major. Use it if many frames are compared with one.
+std::vector<glm::vec3> labOf(const Frame& frame, double px_per_deg);
+
+/// The same difference, of a frame from one of the same size as the eye sees it (asserted).
+std::vector<float> visibleDifference(const Frame& a, const std::vector<glm::vec3>& lab_b,
+                                     double px_per_deg);
+
+/// The Jacobian of L*a*b* at a colour in linear light, in JND for each unit: a small change of
+/// light d shows as |J d|. Colours are clamped as above.
+glm::mat3 visibleDifferencePerLight(const glm::vec3& rgb);
 
 }  // namespace foci

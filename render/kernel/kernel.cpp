@@ -1,7 +1,5 @@
 #include "render/kernel/kernel.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace foci {

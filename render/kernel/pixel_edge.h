@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-#include "render/kernel/limits.h"
+#include "render/kernel/kernel.h"
 
 namespace foci {
 

@@ -13,8 +13,8 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "render/kernel/limits.h"
-#include "render/literature/random_bits.h"
+#include "base/random_bits.h"
+#include "render/kernel/kernel.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
 

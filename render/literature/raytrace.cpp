@@ -18,11 +18,10 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/random_bits.h"
 #include "render/image/metrics.h"
-#include "render/literature/random_bits.h"
 #include "render/literature/raytrace/disc_scene.h"
 #include "render/literature/raytrace/ray_layers.h"
-#include "render/literature/raytrace/seen_surfel.h"
 #include "render/literature/raytrace/triangle_scene.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/method.h"

@@ -7,7 +7,6 @@
 // surface keeps a sharp outline, and a sharp surface leaks into the blur around it. Time grows with
 // C^2.
 #include <algorithm>
-#include <cmath>
 
 #include "base/parallel.h"
 #include "render/methods/method.h"

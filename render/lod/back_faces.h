@@ -6,7 +6,7 @@
 
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
-#include "render/scene/closed_bodies.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
 

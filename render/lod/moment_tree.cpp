@@ -14,28 +14,8 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMinCluster = 3;
-constexpr int kSerialLevels = 6;  // below it one task a subtree; fixed, so results are, too
 
-/// A surfel while the tree is sorted.
-struct Item {
-  glm::vec3 position_m;
-  std::uint32_t surfel;
-};
-
-/// Partitions the range [begin, end) at `middle` along its longest extent.
-void partition(Item* items, std::size_t begin, std::size_t middle, std::size_t end) {
-  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-  for (std::size_t i = begin; i < end; ++i) {
-    low = glm::min(low, items[i].position_m);
-    high = glm::max(high, items[i].position_m);
-  }
-  const glm::vec3 extent = high - low;
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  std::nth_element(
-      items + begin, items + middle, items + end,
-      [axis](const Item& a, const Item& b) { return a.position_m[axis] < b.position_m[axis]; });
-}
-
+using Item = TreeItem<glm::vec3>;
 using Sums = NodeSums;
 
 Sums sumsOf(const SurfelCloud& cloud, std::size_t i) {
@@ -105,51 +85,23 @@ LodNode nodeOf(const Sums& sums) {
   return node;
 }
 
-class Builder {
- public:
-  Builder(std::vector<Item>& items, int levels) : items_(items), levels_(levels) {}
-
-  /// Sorts the items below a node.
-  void sortBelow(int level, std::size_t j, int last_level) {
-    if (level >= last_level) return;
-    const auto [begin, end] = MomentTree::rangeOf(items_.size(), level, j);
-    const std::size_t middle = MomentTree::rangeOf(items_.size(), level + 1, 2 * j).second;
-    partition(items_.data(), begin, middle, end);
-    sortBelow(level + 1, 2 * j, last_level);
-    sortBelow(level + 1, 2 * j + 1, last_level);
-  }
-
-  void sort() {
-    const int serial = std::min(kSerialLevels, levels_ - 1);
-    for (int level = 0; level < serial; ++level) {
-      parallelFor(std::size_t{1} << level, [&](std::size_t j) { sortBelow(level, j, level + 1); });
+/// Makes the nodes of a subtree.
+Sums sumBelow(const SurfelCloud& surfels, std::vector<LodNode>& nodes, int levels, int level,
+              std::size_t j) {
+  Sums sums;
+  if (level + 1 == levels) {
+    const auto [begin, end] = rangeBelow(surfels.size(), level, j);
+    sums = sumsOf(surfels, begin);
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      sums = merged(sums, sumsOf(surfels, i));
     }
-    parallelFor(std::size_t{1} << serial,
-                [&](std::size_t j) { sortBelow(serial, j, levels_ - 1); });
+  } else {
+    sums = merged(sumBelow(surfels, nodes, levels, level + 1, 2 * j),
+                  sumBelow(surfels, nodes, levels, level + 1, 2 * j + 1));
   }
-
-  /// Makes the nodes of a subtree.
-  Sums sum(const SurfelCloud& surfels, std::vector<LodNode>& nodes, int level,
-           std::size_t j) const {
-    Sums sums;
-    if (level + 1 == levels_) {
-      const auto [begin, end] = MomentTree::rangeOf(surfels.size(), level, j);
-      sums = sumsOf(surfels, begin);
-      for (std::size_t i = begin + 1; i < end; ++i) {
-        sums = merged(sums, sumsOf(surfels, i));
-      }
-    } else {
-      sums =
-          merged(sum(surfels, nodes, level + 1, 2 * j), sum(surfels, nodes, level + 1, 2 * j + 1));
-    }
-    nodes[(std::size_t{1} << level) + j] = nodeOf(sums);
-    return sums;
-  }
-
- private:
-  std::vector<Item>& items_;
-  int levels_;
-};
+  nodes[(std::size_t{1} << level) + j] = nodeOf(sums);
+  return sums;
+}
 
 template <typename T>
 void gather(const MappedVector<T>& from, const std::vector<Item>& items, MappedVector<T>& into) {
@@ -159,7 +111,7 @@ void gather(const MappedVector<T>& from, const std::vector<Item>& items, MappedV
   constexpr std::size_t kBlock = 1 << 16;
   parallelFor((items.size() + kBlock - 1) / kBlock, [&](std::size_t b) {
     const std::size_t end = std::min(items.size(), (b + 1) * kBlock);
-    for (std::size_t i = b * kBlock; i < end; ++i) to[i] = from[items[i].surfel];
+    for (std::size_t i = b * kBlock; i < end; ++i) to[i] = from[items[i].index];
   });
 }
 
@@ -208,8 +160,7 @@ MomentTree::MomentTree(const SurfelCloud& cloud) : levels_(levelsOf(cloud.size()
   parallelFor(n, [&](std::size_t i) {
     items[i] = {cloud.position_m[i], static_cast<std::uint32_t>(i)};
   });
-  Builder builder(items, levels_);
-  builder.sort();
+  sortIntoTree(items, levels_);
   gather(cloud.position_m, items, surfels_.position_m);
   gather(cloud.axis_u_m, items, surfels_.axis_u_m);
   gather(cloud.axis_v_m, items, surfels_.axis_v_m);
@@ -225,7 +176,7 @@ MomentTree::MomentTree(const SurfelCloud& cloud) : levels_(levelsOf(cloud.size()
   const int serial = std::min(kSerialLevels, levels_ - 1);
   std::vector<Sums> sums(std::size_t{1} << serial);
   parallelFor(sums.size(),
-              [&](std::size_t j) { sums[j] = builder.sum(surfels_, nodes_, serial, j); });
+              [&](std::size_t j) { sums[j] = sumBelow(surfels_, nodes_, levels_, serial, j); });
   for (int level = serial - 1; level >= 0; --level) {
     for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
       sums[j] = merged(sums[2 * j], sums[2 * j + 1]);
@@ -354,6 +305,23 @@ void MomentTree::findFacing() {
     const std::uint16_t body = facing_[2 * node].body;
     put(node, body == facing_[2 * node + 1].body ? body : Facing::kSeveral, rad);
   }
+}
+
+SurfelCloud outlineOf(const SurfelCloud& cloud, std::size_t large) {
+  constexpr int kLevel = 16;
+  SurfelCloud outline;
+  const std::shared_ptr<const MomentTree> built = builtTree(cloud);
+  if (!built || cloud.size() <= large) return outline;
+  const MomentTree& tree = *built;
+  const std::size_t first = std::size_t{1} << std::min(kLevel, tree.levels() - 1);
+  for (std::size_t i = first; i < 2 * first; ++i) {
+    const LodNode& node = tree.nodes()[i];
+    appendSurfel(outline, node.position_m, unpackNormal(node.normal), node.radius_m / 3.0f,
+                 node.density * node.trace_m2(), node.color,
+                 static_cast<float>(node.opacity) * (1.0f / 65535.0f));
+  }
+  outline.oriented = cloud.oriented;
+  return outline;
 }
 
 }  // namespace foci

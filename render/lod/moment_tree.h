@@ -1,5 +1,7 @@
 // Level of detail: a binary tree of surfels merged by their moments. Merging low-passes texture and
 // shape alike (docs/formulas.md, section 4).
+// A coarse outline of a large scene: where it is, and what it looks like from afar. It reads a few
+// megabytes of the scene's file instead of all of it.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +14,7 @@
 
 #include "render/lod/back_faces.h"
 #include "render/scene/surfel_cloud.h"
+#include "render/scene/tree_order.h"
 
 namespace foci {
 
@@ -116,12 +119,7 @@ class MomentTree {
   /// The surfels [first, second) below the `j`-th node of a level. The root's level is 0; j begins
   /// at 0.
   std::pair<std::size_t, std::size_t> range(int level, std::size_t j) const {
-    return rangeOf(surfels_.size(), level, j);
-  }
-
-  /// The same for a tree of `n` surfels.
-  static std::pair<std::size_t, std::size_t> rangeOf(std::uint64_t n, int level, std::size_t j) {
-    return {n * j >> level, n * (j + 1) >> level};
+    return rangeBelow(surfels_.size(), level, j);
   }
 
   /// Levels of the tree of `n` surfels.
@@ -164,5 +162,12 @@ SurfelCloud withTree(SurfelCloud cloud);
 
 /// The cloud's tree, or a new one.
 std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud);
+
+/// A scene with a tree counts as large if it has more surfels.
+inline constexpr std::size_t kLargeScene = std::size_t{1} << 24;
+
+/// The nodes of a middle level of the tree as round surfels. Each reaches as far as its node at
+/// three standard deviations. Empty if the scene is not large, or has no tree.
+SurfelCloud outlineOf(const SurfelCloud& cloud, std::size_t large = kLargeScene);
 
 }  // namespace foci

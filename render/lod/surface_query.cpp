@@ -6,18 +6,16 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
 #include <glm/gtc/constants.hpp>
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/parallel.h"
 #include "render/lod/gaussian_in_cone.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/gaussian_cloud.h"
-#include "render/scene/morton.h"
+#include "render/scene/neighbours.h"
 
 namespace foci {
 namespace {

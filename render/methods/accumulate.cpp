@@ -2,10 +2,9 @@
 // (Haeberli and Akeley, The Accumulation Buffer: Hardware Support for High-Quality Rendering,
 // SIGGRAPH 1990). Known failure: a blur radius of C pixels needs about pi C^2 views; fewer views
 // show as ghosts. The frame's own split-half error tells how far it can be trusted.
-#include <cmath>
-#include <optional>
 
 #include "base/parallel.h"
+#include "render/gl/image.h"
 #include "render/image/metrics.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/lens_samples.h"
@@ -18,7 +17,7 @@ namespace {
 class AccumulateMethod final : public Method {
  public:
   AccumulateMethod(const SurfelCloud& cloud, int views, const SharedGpu& gpu)
-      : cloud_(cloud), views_(views), gpu_(gpuSplatsOf(cloud, gpu)) {}
+      : scene_(cloud, gpu), views_(views) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
@@ -34,8 +33,10 @@ class AccumulateMethod final : public Method {
     const std::vector<LensPart> parts =
         lensPoints(settings.defocus, settings.pupil, lensSamples(views_));
     for (int i = 0; i < views_; ++i) {
-      renderView(view, settings, parts[static_cast<std::size_t>(i)], stats);
-      const float weight = parts[static_cast<std::size_t>(i)].weight * static_cast<float>(views_);
+      const LensPart& part = parts[static_cast<std::size_t>(i)];
+      scene_.render(view, settings, part, widened({}, settings.pupil), view_, stats);
+      readFromGpu(view_);
+      const float weight = part.weight * static_cast<float>(views_);
       Frame& half = i % 2 == 0 ? frame : odd_;
       parallelFor(static_cast<std::size_t>(view.size_px.y), [&](std::size_t y) {
         for (std::size_t p = y * width; p < (y + 1) * width; ++p) {
@@ -65,32 +66,8 @@ class AccumulateMethod final : public Method {
   }
 
  private:
-  /// Renders the view from a point of the lens into `view_`.
-  void renderView(const View& view, const RenderSettings& settings, const LensPart& part,
-                  RenderStats& stats) {
-    const View seen = viewOfPart(view, part);
-    const Acuity acuity = widened({}, settings.pupil);
-    if (gpu_) {
-      GpuRequest request = gpuRequestOf(seen, settings);
-      request.lens = part.centre;
-      request.aperture = 0.0f;
-      request.acuity = acuity;
-      request.cut = pixelCutOf(cloud_, acuity);
-      stats.add(statsOf(gpu_->render(request, view_.gpu)));
-      readFromGpu(view_);
-      return;
-    }
-    scene_.project(cloud_, seen, settings,
-                   {.lens = part.centre, .aperture = 0.0f, .acuity = acuity},
-                   pixelCutOf(cloud_, acuity));
-    stats.splats += scene_.count();
-    stats.fragments += scene_.render(settings.background, settings.depth, view_);
-  }
-
-  const SurfelCloud& cloud_;
+  PartSplats scene_;
   int views_;
-  std::optional<GpuSplats> gpu_;
-  ViewSplats scene_;
   Frame odd_, view_;
 };
 

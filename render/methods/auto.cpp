@@ -17,13 +17,13 @@
 #include <utility>
 #include <vector>
 
+#include "render/methods/blur_pyramid.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
+#include "render/methods/quality_level.h"
 #include "render/methods/quality_level_table.h"
-#include "render/methods/sharp_views.h"
 #include "render/methods/spot_check.h"
-#include "render/methods/time_budget.h"
 
 namespace foci {
 namespace {

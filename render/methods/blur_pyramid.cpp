@@ -1,11 +1,8 @@
 #include "render/methods/blur_pyramid.h"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <utility>
 
 #include "base/parallel.h"
 #include "render/methods/post_filter.h"

@@ -1,19 +1,26 @@
-// Blurs a sharp image with depth in milliseconds, for any focus and pupil: the reverse-mapped
-// z-buffer of Demers, Depth of Field: A Survey of Techniques, GPU Gems, 2004. It holds low-passed
-// copies at halved sizes. Each pixel interpolates the two copies whose variances are next to the
-// variance of the pixel's own blur. Known failure, as in `rokita`: a pixel gathers light by its own
-// blur, not by the blur of its neighbours. So a blurred surface keeps a sharp outline.
+// The sharp images of the views at which an eye rested last, and how method `auto` blurs them in
+// milliseconds, for any focus and pupil: by the reverse-mapped z-buffer of Demers, Depth of Field: A
+// Survey of Techniques, GPU Gems, 2004. Known failure, as in `rokita`: a pixel gathers light by its
+// own blur, not by the blur of its neighbours. So a blurred surface keeps a sharp outline.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <glm/glm.hpp>
+#include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "render/image/frame.h"
+#include "render/methods/method.h"
 #include "render/optics/defocus.h"
 
 namespace foci {
 
+/// Holds low-passed copies of a sharp image at halved sizes. Each pixel interpolates the two copies
+/// whose variances are next to the variance of the pixel's own blur.
 class BlurPyramid {
  public:
   /// @param sharp  the sharp image, with depth
@@ -38,6 +45,51 @@ class BlurPyramid {
   Frame sharp_;
   std::vector<float> point_D_;            // vergence by pixel
   std::array<Copy, kCopies + 1> copies_;  // copies_[0] is not used
+};
+
+/// Everything that a sharp image of a scene depends on.
+struct UnblurredView {
+  View view;
+  glm::vec3 background{0.0f};
+  float shading = 0.0f;
+  DistanceAlong along = DistanceAlong::sight;
+  bool operator==(const UnblurredView&) const = default;
+};
+
+inline UnblurredView unblurred(const View& view, const RenderSettings& settings) {
+  return {view, settings.background, settings.shading, settings.defocus.along};
+}
+
+/// A sharp image, ready to be blurred, and the cost of rendering it.
+struct SharpView {
+  UnblurredView view;
+  BlurPyramid pyramid;
+  RenderStats stats;
+};
+
+/// The newest sharp images. A method shares them with its clones: one renders an image, and another
+/// uses it at the same time.
+class SharpViews {
+ public:
+  /// Null where the image is not there.
+  std::shared_ptr<const SharpView> find(const UnblurredView& view) const {
+    const std::lock_guard lock(mutex_);
+    const auto found =
+        std::ranges::find_if(views_, [&](const auto& each) { return each->view == view; });
+    return found == views_.end() ? nullptr : *found;
+  }
+
+  /// Replaces the oldest image where there is no room.
+  void add(std::shared_ptr<const SharpView> view) {
+    constexpr std::size_t kMax = 2;  // one for each eye
+    const std::lock_guard lock(mutex_);
+    if (views_.size() == kMax) views_.erase(views_.begin());
+    views_.push_back(std::move(view));
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<const SharpView>> views_;  // from the oldest on
 };
 
 }  // namespace foci

@@ -1,6 +1,5 @@
 #include "render/methods/discs_of_tiles.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>

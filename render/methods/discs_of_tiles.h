@@ -2,7 +2,6 @@
 // frame's pixels below the tolerance.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <glm/glm.hpp>

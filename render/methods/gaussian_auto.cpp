@@ -4,19 +4,16 @@
 // that fills an image of few pixels.
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <chrono>
 #include <cmath>
 
 #include "render/gaussians/gaussian_view.h"
 #include "render/methods/discs_of_tiles.h"
-#include "render/methods/gaussian_eye_method.h"
 #include "render/methods/gaussian_methods.h"
-#include "render/methods/gaussian_parts.h"
 #include "render/methods/lens_gaussians.h"
 #include "render/methods/mean_of_parts.h"
+#include "render/methods/quality_level.h"
 #include "render/methods/quality_level_table.h"
-#include "render/methods/time_budget.h"
 #include "render/scene/gaussian_tree.h"
 
 namespace foci {

@@ -1,6 +1,5 @@
 #include "render/methods/gaussian_methods.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -8,8 +7,6 @@
 #include "base/parallel.h"
 #include "render/gl/image.h"
 #include "render/image/metrics.h"
-#include "render/methods/gaussian_eye_method.h"
-#include "render/methods/gaussian_parts.h"
 #include "render/methods/lens_gaussians.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"

@@ -2,10 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <utility>
-#include <vector>
 
 #include "base/mapped_file.h"
 #include "base/parallel.h"
@@ -89,11 +85,11 @@ void copyColumns(const Frame& from, int x_px, Frame& to) {
 }  // namespace
 
 LodSplats::LodSplats(const SurfelCloud& cloud, const SharedGpu& gpu) : tree_(treeOf(cloud)) {
-  if (gpu) gpu_.emplace(std::make_shared<GpuScene>(gpu, *tree_));
+  if (gpu) gpu_ = std::make_unique<GpuSplats>(std::make_shared<GpuScene>(gpu, *tree_));
 }
 
 LodSplats::LodSplats(const LodSplats& other, std::nullptr_t) : tree_(other.tree_) {
-  if (other.gpu_) gpu_.emplace(other.gpu_->scene());
+  if (other.gpu_) gpu_ = std::make_unique<GpuSplats>(other.gpu_->scene());
 }
 
 RenderStats LodSplats::render(const View& view, const RenderSettings& settings,

@@ -5,9 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "render/gl/splats.h"
 #include "render/lod/cut.h"
@@ -44,7 +41,7 @@ class LodSplats {
   explicit LodSplats(std::shared_ptr<const MomentTree> tree) : tree_(std::move(tree)) {}
 
   const std::shared_ptr<const MomentTree>& tree() const { return tree_; }
-  bool isOnGpu() const { return gpu_.has_value(); }
+  bool isOnGpu() const { return gpu_ != nullptr; }
 
   /// Leaves the pixels on the GPU, if it renders.
   /// @param frame  has the view's size, and depth where the settings ask for depth
@@ -83,7 +80,7 @@ class LodSplats {
                            Frame& frame);
 
   std::shared_ptr<const MomentTree> tree_;
-  std::optional<GpuSplats> gpu_;
+  std::unique_ptr<GpuSplats> gpu_;
   Cut cut_;
   SplatChunks chunks_;
   TileLists lists_;

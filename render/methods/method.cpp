@@ -91,12 +91,6 @@ Choice parse(std::string_view spec) {
   return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(entry->info.max_n)};
 }
 
-const MethodInfo& infoOf(std::string_view spec) {
-  const Choice choice = parse(spec);
-  assert(choice.entry);
-  return choice.entry->info;
-}
-
 bool isColored(const RenderSettings& settings) {
   return !settings.colours.empty() && settings.defocus.radius_px_per_D != glm::vec2(0.0f);
 }
@@ -217,13 +211,11 @@ void registerMethod(const MethodEntry& entry) {
 
 const std::vector<MethodInfo>& methods() { return registry().infos; }
 
-bool rendersEllipses(std::string_view spec) { return infoOf(spec).ellipses; }
-
-bool rendersAberrations(std::string_view spec) { return infoOf(spec).aberrations; }
-
-bool isIncremental(std::string_view spec) { return infoOf(spec).incremental; }
-
-bool rendersByLevels(std::string_view spec) { return infoOf(spec).lod; }
+const MethodInfo& methodInfo(std::string_view spec) {
+  const Choice choice = parse(spec);
+  assert(choice.entry);
+  return choice.entry->info;
+}
 
 std::optional<std::string> expectedMethod(std::string_view spec) {
   const Choice choice = parse(spec);
@@ -259,7 +251,7 @@ std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& clo
     able += name;
   }
   throw InputError("method " + std::string(spec),
-                   "renders surfaces, and the scene holds Gaussians: expected one of " + able);
+                   "renders surfaces, and the scene holds Gaussians: expected one of ", able);
 }
 
 }  // namespace foci

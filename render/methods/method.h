@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "render/gl/device.h"
-#include "render/gl/stages.h"
 #include "render/image/frame.h"
 #include "render/methods/quality_level.h"
 #include "render/optics/acuity.h"
@@ -32,7 +31,7 @@ enum class ErrorCheck : std::uint8_t {
 
 /// How closely method `auto` renders, and how long it may take. Other methods ignore all of this.
 struct Quality {
-  /// Error that 95 % of the pixels may have, in just-noticeable differences (visible_difference.h).
+  /// Error that 95 % of the pixels may have, in just-noticeable differences (metrics.h).
   float tolerance = 1.0f;
   /// Frame-time budget, ms: the error grows as far as the budget requires. The quality level then
   /// depends on the machine, and `RenderStats::quality_level` reports the level. Absent or
@@ -191,17 +190,7 @@ const std::vector<MethodInfo>& methods();
 // A spec names a method: `name`, or `name:N` where the method takes a number or has variants. The
 // functions below except `expectedMethod` assert that the spec is valid.
 
-/// `MethodInfo::ellipses` of the method.
-bool rendersEllipses(std::string_view spec);
-
-/// `MethodInfo::aberrations` of the method.
-bool rendersAberrations(std::string_view spec);
-
-/// `MethodInfo::incremental` of the method.
-bool isIncremental(std::string_view spec);
-
-/// `MethodInfo::lod` of the method.
-bool rendersByLevels(std::string_view spec);
+const MethodInfo& methodInfo(std::string_view spec);
 
 /// Whether a GPU can render the scene by the method: `MethodInfo::gpu`, or `gaussians` for a scene
 /// of these.

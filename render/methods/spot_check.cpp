@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "base/parallel.h"
 #include "base/quantile.h"
-#include "render/image/visible_difference.h"
+#include "render/image/metrics.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/quality_level_table.h"
 #include "render/splat/sweep.h"

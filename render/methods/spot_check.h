@@ -34,7 +34,7 @@ class SpotCheck {
   bool isDone() const { return done_ == squares_.size() * (firstJobs() + levels_.size() - 1); }
 
   /// The difference of a level from the truth that 95 % of the squares' pixels stay below, as far
-  /// as rendered, in just-noticeable differences at 40 pixels a degree (visible_difference.h).
+  /// as rendered, in just-noticeable differences at 40 pixels a degree (metrics.h).
   /// Absent before a level was compared in a quarter of the squares.
   std::optional<float> error(std::size_t level) const;
 

@@ -28,21 +28,18 @@ class SweepLodMethod final : public Method {
 }  // namespace
 
 MethodEntry sweepLodMethod() {
-  return {
-      .info =
-          {.name = "sweep-lod",
-           .summary =
-               "sweep from coarser nodes and fewer samples where blurred; N sub-apertures where "
-               "surfaces overlap",
-           .source = "our own",
-           .family = MethodFamily::own,
-           .max_n = 256,
-           .default_n = 7,
-           .aberrations = true,
-           .gpu = true,
-           .lod = true},
-      .make = makeAs<SweepLodMethod>,
-      .make_of_gaussians = gaussianSweepLod};
+  return {.info = {.name = "sweep-lod",
+                   .summary = "sweep from coarser nodes and fewer samples where blurred; N "
+                              "sub-apertures where surfaces overlap",
+                   .source = "our own",
+                   .family = MethodFamily::own,
+                   .max_n = 256,
+                   .default_n = 7,
+                   .aberrations = true,
+                   .gpu = true,
+                   .lod = true},
+          .make = makeAs<SweepLodMethod>,
+          .make_of_gaussians = gaussianSweepLod};
 }
 
 }  // namespace foci

@@ -58,11 +58,31 @@ std::optional<CutSettings> pixelCutOf(const SurfelCloud& cloud, const Acuity& ac
   return cut;
 }
 
-std::optional<GpuSplats> gpuSplatsOf(const SurfelCloud& cloud, const SharedGpu& gpu) {
-  if (!gpu) return std::nullopt;
+PartSplats::PartSplats(const SurfelCloud& cloud, const SharedGpu& gpu) : cloud_(cloud) {
+  if (!gpu) return;
   const std::shared_ptr<const MomentTree> tree = builtTree(cloud);
-  return GpuSplats(tree ? std::make_shared<GpuScene>(gpu, *tree)
-                        : std::make_shared<GpuScene>(gpu, cloud));
+  gpu_ = std::make_unique<GpuSplats>(tree ? std::make_shared<GpuScene>(gpu, *tree)
+                                          : std::make_shared<GpuScene>(gpu, cloud));
+}
+
+void PartSplats::render(const View& view, RenderSettings settings, const LensPart& part,
+                        const Acuity& acuity, Frame& frame, RenderStats& stats) {
+  const View seen = viewOfPart(view, part);
+  settings.defocus = part.defocus;
+  if (gpu_) {
+    GpuRequest request = gpuRequestOf(seen, settings);
+    request.lens = part.centre;
+    request.aperture = part.radius;
+    request.acuity = acuity;
+    request.cut = pixelCutOf(cloud_, acuity);
+    stats.add(statsOf(gpu_->render(request, frame.gpu)));
+    return;
+  }
+  splats_.project(cloud_, seen, settings,
+                  {.lens = part.centre, .aperture = part.radius, .acuity = acuity},
+                  pixelCutOf(cloud_, acuity));
+  stats.splats += splats_.count();
+  stats.fragments += splats_.render(settings.background, settings.depth, frame);
 }
 
 GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {

@@ -66,8 +66,22 @@ class ViewSplats {
   Defocus defocus_;
 };
 
-/// The scene on the GPU, with its tree if it has one; absent without a GPU.
-std::optional<GpuSplats> gpuSplatsOf(const SurfelCloud& cloud, const SharedGpu& gpu);
+/// The scene at full detail through a part of the lens, on the CPU or on a GPU. Keeps its buffers
+/// between frames.
+class PartSplats {
+ public:
+  /// @param cloud  must outlive this
+  PartSplats(const SurfelCloud& cloud, const SharedGpu& gpu);
+
+  /// Leaves the pixels on the GPU, if it renders. Adds the cost to the stats.
+  void render(const View& view, RenderSettings settings, const LensPart& part, const Acuity& acuity,
+              Frame& frame, RenderStats& stats);
+
+ private:
+  const SurfelCloud& cloud_;
+  std::unique_ptr<GpuSplats> gpu_;
+  ViewSplats splats_;
+};
 
 /// A request for all surfels, with the settings' lens.
 GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings);

@@ -7,7 +7,6 @@
 
 #include "base/parallel.h"
 #include "render/kernel/kernel.h"
-#include "render/kernel/limits.h"
 #include "render/optics/defocus.h"
 #include "render/scene/neighbours.h"
 

@@ -1,6 +1,5 @@
 #include "render/normalisation/pair_sums.h"
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <numbers>

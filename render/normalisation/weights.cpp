@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdint>
 #include <glm/gtc/constants.hpp>
 #include <limits>
 #include <span>

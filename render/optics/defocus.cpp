@@ -1,7 +1,6 @@
 #include "render/optics/defocus.h"
 
 #include <cassert>
-#include <cmath>
 #include <limits>
 
 namespace foci {

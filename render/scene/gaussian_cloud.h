@@ -2,8 +2,6 @@
 // Field Rendering, 2023): volumes that are composited front to back, not samples of surfaces.
 #pragma once
 
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -68,5 +66,10 @@ Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation);
 
 /// The scene, with its tree, enlarged by `factor`, > 0.
 void scaleBy(GaussianCloud& cloud, float factor);
+
+/// Moves the scene: p becomes linear p + offset. Colours that depend on the direction turn with it.
+/// The tree is dropped.
+/// @param linear  invertible; it may mirror
+void transform(GaussianCloud& cloud, const glm::mat3& linear, const glm::vec3& offset);
 
 }  // namespace foci

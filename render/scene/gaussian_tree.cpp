@@ -5,58 +5,19 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <type_traits>
 
 #include "base/parallel.h"
 #include "render/scene/gaussian_merge.h"
+#include "render/scene/tree_order.h"
 
 namespace foci {
 namespace {
 
 constexpr std::size_t kMinCluster = 4;
-constexpr int kSerialLevels = 6;  // below it one task a subtree; fixed, so results are, too
 
-/// A Gaussian while the tree is sorted: its position and its standard deviation.
-struct Item {
-  glm::vec4 place_m;
-  std::uint32_t gaussian;
-};
-
-/// Partitions the range [begin, end) at `middle` along its longest extent.
-void partition(Item* items, std::size_t begin, std::size_t middle, std::size_t end) {
-  glm::vec4 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-  for (std::size_t i = begin; i < end; ++i) {
-    low = glm::min(low, items[i].place_m);
-    high = glm::max(high, items[i].place_m);
-  }
-  const glm::vec4 extent = high - low;
-  int axis = 0;
-  for (int k = 1; k < 4; ++k) axis = extent[k] > extent[axis] ? k : axis;
-  std::nth_element(
-      items + begin, items + middle, items + end,
-      [axis](const Item& a, const Item& b) { return a.place_m[axis] < b.place_m[axis]; });
-}
-
-/// Sorts the items below a node.
-void sortBelow(std::vector<Item>& items, int level, std::size_t j, int last_level) {
-  if (level >= last_level) return;
-  const auto [begin, end] = gaussiansBelow(items.size(), level, j);
-  const std::size_t middle = gaussiansBelow(items.size(), level + 1, 2 * j).second;
-  partition(items.data(), begin, middle, end);
-  sortBelow(items, level + 1, 2 * j, last_level);
-  sortBelow(items, level + 1, 2 * j + 1, last_level);
-}
-
-void sortItems(std::vector<Item>& items, int levels) {
-  const int serial = std::min(kSerialLevels, levels - 1);
-  for (int level = 0; level < serial; ++level) {
-    parallelFor(std::size_t{1} << level,
-                [&](std::size_t j) { sortBelow(items, level, j, level + 1); });
-  }
-  parallelFor(std::size_t{1} << serial,
-              [&](std::size_t j) { sortBelow(items, serial, j, levels - 1); });
-}
+/// A position and a standard deviation.
+using Item = TreeItem<glm::vec4>;
 
 /// Makes the nodes of a tree whose levels and sizes are set.
 class Merger {
@@ -79,7 +40,7 @@ class Merger {
  private:
   /// Makes the nodes of a subtree.
   GaussianMoments below(int level, std::size_t j) {
-    const auto [begin, end] = gaussiansBelow(cloud_.size(), level, j);
+    const auto [begin, end] = rangeBelow(cloud_.size(), level, j);
     const GaussianMoments moments =
         level + 1 == tree_.levels ? ofRange(begin, end)
                                   : merged(below(level + 1, 2 * j), below(level + 1, 2 * j + 1));
@@ -107,7 +68,7 @@ class Merger {
   GaussianTree& tree_;
 };
 
-/// Entry i of each array is entry `items[i].gaussian` from then on. One array after the other, to
+/// Entry i of each array is entry `items[i].index` from then on. One array after the other, to
 /// save memory.
 void bringIntoOrder(GaussianCloud& cloud, const std::vector<Item>& items) {
   const auto gather = [&](auto& values, std::size_t each) {
@@ -115,7 +76,7 @@ void bringIntoOrder(GaussianCloud& cloud, const std::vector<Item>& items) {
     std::remove_reference_t<decltype(values)> sorted(values.size());
     parallelFor(items.size(), [&](std::size_t i) {
       const auto from =
-          values.begin() + static_cast<std::ptrdiff_t>(std::size_t{items[i].gaussian} * each);
+          values.begin() + static_cast<std::ptrdiff_t>(std::size_t{items[i].index} * each);
       std::copy_n(from, each, sorted.begin() + static_cast<std::ptrdiff_t>(i * each));
     });
     values = std::move(sorted);
@@ -145,7 +106,7 @@ GaussianCloud withTree(GaussianCloud cloud) {
       items[i] = {glm::vec4(cloud.position_m[i], std::sqrt(v.xx + v.yy + v.zz)),
                   static_cast<std::uint32_t>(i)};
     });
-    sortItems(items, tree->levels);
+    sortIntoTree(items, tree->levels);
     bringIntoOrder(cloud, items);
   }
   const std::size_t nodes = std::size_t{1} << tree->levels;

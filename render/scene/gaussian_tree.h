@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "render/scene/gaussian_cloud.h"
@@ -27,12 +26,6 @@ struct GaussianTree {
 
 /// Levels of the tree of `n` Gaussians, n > 0. Its nodes, with the unused first, are 2^levels.
 int gaussianTreeLevels(std::size_t n);
-
-/// The Gaussians [first, second) below the `j`-th node of a level, out of `n`. The root's level
-/// is 0; j begins at 0.
-inline std::pair<std::size_t, std::size_t> gaussiansBelow(std::size_t n, int level, std::size_t j) {
-  return {n * j >> level, n * (j + 1) >> level};
-}
 
 /// The cloud in the order of its tree, with the tree. Deterministic at any number of threads.
 /// @param cloud  not empty, fewer than 2^31

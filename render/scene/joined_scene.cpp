@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "render/scene/gaussian_transform.h"
+#include "render/scene/gaussian_cloud.h"
 
 namespace foci {
 namespace {

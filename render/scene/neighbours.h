@@ -1,4 +1,5 @@
-// The nearest neighbours of every point. Private to the scene's readers.
+// Which points are near: the nearest neighbours of every point, and an order along a space-filling
+// curve, so that neighbours in space are near in memory. Private to the scene.
 #pragma once
 
 #include <cstdint>
@@ -36,5 +37,20 @@ std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> po
                                                    std::span<const glm::vec3> centers_m,
                                                    std::span<const float> radius_m,
                                                    std::size_t max_points);
+
+/// Indices of the points along a Morton curve with 21 bits for each axis of their bounding cube.
+/// Points in one cell keep their order. The result does not depend on the number of threads. Fewer
+/// than 2^32 points, all finite.
+std::vector<std::uint32_t> mortonOrder(std::span<const glm::vec3> position_m);
+
+/// Moves `values[order[i]]` to i. An empty vector stays empty.
+template <typename T>
+void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  if (values.empty()) return;
+  std::vector<T> sorted;
+  sorted.reserve(values.size());
+  for (const std::uint32_t i : order) sorted.push_back(values[i]);
+  values.swap(sorted);
+}
 
 }  // namespace foci

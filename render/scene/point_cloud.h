@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "render/scene/scene_objects.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
 

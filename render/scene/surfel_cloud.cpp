@@ -1,5 +1,8 @@
 #include "render/scene/surfel_cloud.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "render/scene/gaussian_cloud.h"
 
 namespace foci {
@@ -23,6 +26,34 @@ void appendSurfel(SurfelCloud& cloud, const glm::vec3& position_m, const glm::ve
   cloud.axis_v_m.push_back(sigma_m * v);
   cloud.color.push_back(color);
   cloud.area_m2.push_back(area_m2);
+}
+
+void completeBodies(SurfelCloud& cloud) {
+  constexpr float kExtent = 3.0f;  // standard deviations
+  ClosedBodies& bodies = cloud.bodies;
+  if (bodies.of_surfel.empty()) {
+    bodies = {};
+    return;
+  }
+  std::vector<std::uint16_t>& of = bodies.of_surfel.own();
+  const std::size_t count = 1 + *std::max_element(of.begin(), of.end());
+  std::vector<std::uint8_t> opaque(count, 1);
+  for (std::size_t i = 0; i < of.size() && !cloud.opacity.empty(); ++i) {
+    if (cloud.opacity[i] < 1.0f) opaque[of[i]] = 0;
+  }
+  bodies.boxes.assign(count, {glm::vec3(std::numeric_limits<float>::max()),
+                              glm::vec3(std::numeric_limits<float>::lowest())});
+  bool any = false;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (opaque[of[i]] == 0) of[i] = 0;
+    any = any || of[i] != 0;
+    const glm::vec3 reach =
+        kExtent * glm::max(glm::abs(cloud.axis_u_m[i]), glm::abs(cloud.axis_v_m[i]));
+    ClosedBodies::Box& box = bodies.boxes[of[i]];
+    box.low_m = glm::min(box.low_m, cloud.position_m[i] - reach);
+    box.high_m = glm::max(box.high_m, cloud.position_m[i] + reach);
+  }
+  if (!any) bodies = {};
 }
 
 }  // namespace foci

@@ -1,24 +1,54 @@
-// The scene: oriented Gaussian surfels (EWA surface splatting, Zwicker et al. 2001).
+// The scene: oriented Gaussian surfels (EWA surface splatting, Zwicker et al. 2001), the closed
+// bodies that they cover, and the objects that gaze meets.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/mapped_vector.h"
-#include "render/scene/closed_bodies.h"
-#include "render/scene/scene_objects.h"
 
 namespace foci {
 
 class MomentTree;
 struct GaussianCloud;
+struct SurfelCloud;
 struct TriangleMesh;
 
-struct SurfelCloud;
+/// The closed bodies of a cloud, numbered from 1: opaque solids whose surface has no hole. From
+/// outside, the near side hides the far side, so nothing that faces away from the eye need be
+/// rendered (render/lod/back_faces.h).
+struct ClosedBodies {
+  struct Box {
+    glm::vec3 low_m, high_m;
+  };
+  MappedVector<std::uint16_t> of_surfel;  ///< 0: none. Empty: no surfel is on a closed body
+  std::vector<Box> boxes;                 ///< by number; [0] is unused. Empty where `of_surfel` is
+};
+
+/// Largest number of a body. Further surfaces count as open.
+inline constexpr std::uint16_t kMaxBodies = 65534;
+
+/// Makes the boxes of `cloud.bodies` from the surfels' extents to three standard deviations. Drops
+/// bodies of which a surfel is not opaque.
+void completeBodies(SurfelCloud& cloud);
+
+/// Objects are numbered from 1; 0 is no object. Both are empty where the scene has no objects.
+struct SceneObjects {
+  MappedVector<std::uint16_t> of;  ///< by triangle, point or surfel
+  std::vector<std::string> names;  ///< by number; [0] is ""
+
+  bool empty() const { return of.empty(); }
+};
+
+/// Further objects count as none.
+inline constexpr std::size_t kMaxObjects = 65535;
 
 /// The tree over a cloud's surfels (`builtTree` in render/lod/moment_tree.h). It shares its arrays
 /// with the cloud. Once code changes a surfel, the cloud has an array of its own, so the tree no

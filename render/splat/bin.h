@@ -1,12 +1,15 @@
-// Binning: divides the image into tiles and lists the splats of each, front to back.
+// Divides the image into tiles, lists the splats of each, front to back, and interpolates a tile's
+// samples to the pixels of the frame.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
+#include "render/image/frame.h"
 #include "render/splat/splat.h"
 
 namespace foci {
@@ -102,5 +105,20 @@ class TileLists {
   std::vector<std::size_t> cursor_;
   std::vector<std::uint32_t> entries_;
 };
+
+/// Weights of four samples in a row, `t` of the way from the second to the third (Catmull and Rom
+/// 1974).
+inline std::array<float, 4> catmullRom(float t) {
+  return {0.5f * t * (-1.0f + t * (2.0f - t)), 0.5f * (2.0f + t * t * (-5.0f + 3.0f * t)),
+          0.5f * t * (1.0f + t * (4.0f - 3.0f * t)), 0.5f * t * t * (t - 1.0f)};
+}
+
+/// Writes the tile's pixels that lie on the frame. Samples one pixel apart are copied. Others are
+/// interpolated by these cubics, which reproduce linear ramps.
+/// @param rgba     rows of tile.samplesWithApron() samples
+/// @param depth_m  depths times coverage, in the same layout; null: none
+/// @param weight   over what the frame holds; 1: in its place
+void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth_m, float weight,
+                     Frame& frame);
 
 }  // namespace foci

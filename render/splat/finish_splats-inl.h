@@ -15,7 +15,6 @@
 #include <cstdint>
 
 #include "render/kernel/kernel.h"
-#include "render/kernel/limits.h"
 #include "render/optics/defocus.h"
 #include "render/splat/constants.h"
 #include "render/splat/project_lanes-inl.h"
@@ -97,9 +96,9 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const ProjectedLanes& lanes, 
   splat.y_px = lanes.y[k];
   if (!setKernel(job, lanes, k, 1.0f, 1.0f, look.weight, splat)) return false;
   if (!(splat.x_px + splat.extent_x_px > -job.margin &&
-        splat.x_px - splat.extent_x_px < job.width + job.margin &&
+        splat.x_px - splat.extent_x_px < job.size.x + job.margin &&
         splat.y_px + splat.extent_y_px > -job.margin &&
-        splat.y_px - splat.extent_y_px < job.height + job.margin)) {
+        splat.y_px - splat.extent_y_px < job.size.y + job.margin)) {
     return false;
   }
   splat.opacity = look.opacity;
@@ -136,10 +135,10 @@ HWY_INLINE SplatKey keyOf(const ProjectJob& job, const ProjectedLanes& lanes, st
   return {.distance_m = lanes.distance[k],
           .sigma_px = sigmaForSamples(lanes, k, splat),
           .blur_px = lanes.radius[k],
-          .x0 = pixel(splat.x_px - splat.extent_x_px - 0.5f, job.width),
-          .x1 = pixel(splat.x_px + splat.extent_x_px - 0.5f, job.width),
-          .y0 = pixel(splat.y_px - splat.extent_y_px - 0.5f, job.height),
-          .y1 = pixel(splat.y_px + splat.extent_y_px - 0.5f, job.height)};
+          .x0 = pixel(splat.x_px - splat.extent_x_px - 0.5f, job.size.x),
+          .x1 = pixel(splat.x_px + splat.extent_x_px - 0.5f, job.size.x),
+          .y0 = pixel(splat.y_px - splat.extent_y_px - 0.5f, job.size.y),
+          .y1 = pixel(splat.y_px + splat.extent_y_px - 0.5f, job.size.y)};
 }
 
 /// Writes the splat at `at` again, blurred by a sub-aperture, and its displacement a dioptre.
@@ -167,7 +166,7 @@ HWY_INLINE void finishSubAperture(const ProjectJob& job, const ProjectedLanes& l
     return;
   }
   const float across_D = lanes.out_across_D[k];
-  const float variance = kDiscVariancePerRadius2 * job.blur_x * job.blur_y;  // of one dioptre
+  const float variance = kDiscVariancePerRadius2 * job.blur.x * job.blur.y;  // of one dioptre
   out.out_of_focus_D[at] = spread(off_D, variance * off_D * off_D);
   out.out_across_D[at] = spread(across_D, variance * across_D * across_D);
 }
@@ -202,7 +201,7 @@ HWY_INLINE SplatLens lensOf(const ProjectedLanes& lanes, std::size_t k) {
 /// `off_D`.
 HWY_INLINE SplatLens lensAlong(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
                                float off_D) {
-  const float radius = std::sqrt(job.blur_x * job.blur_y) * off_D;
+  const float radius = std::sqrt(job.blur.x * job.blur.y) * off_D;
   const LensScale scale = lensScale(radius, lanes.unblurred[k], lanes.prefilter[k]);
   return {std::copysign(scale.per_px, off_D), scale.inv_width, lanes.tilt_x[k], lanes.tilt_y[k]};
 }

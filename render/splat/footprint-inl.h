@@ -12,6 +12,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "render/kernel/simd-inl.h"
+
 #ifndef FOCI_FOOTPRINT_ONCE
 #define FOCI_FOOTPRINT_ONCE
 namespace foci {
@@ -42,25 +44,6 @@ struct NodeArrays {
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<float, 16>;
-using V = hn::Vec<D>;
-
-struct V3 {
-  V x, y, z;
-};
-
-HWY_INLINE V3 load3(D d, const float* from) {
-  V3 out;
-  hn::LoadInterleaved3(d, from, out.x, out.y, out.z);
-  return out;
-}
-
-HWY_INLINE V dot(const V3& a, const V3& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-
 /// Derivatives of a point's image and distance by its place in the world.
 struct Gradients {
   V3 x, y;      // pixels a metre
@@ -79,19 +62,17 @@ struct Footprint {
 };
 
 HWY_INLINE V3 positionOf(const SurfelArrays& surfels, std::size_t i) {
-  return load3(D(), surfels.position + 3 * i);
+  return load3(surfels.position + 3 * i);
 }
 
 HWY_INLINE Footprint footprintOf(const SurfelArrays& surfels, std::size_t i, const Gradients& to) {
   const D d;
-  const V3 u = load3(d, surfels.axis_u + 3 * i), v = load3(d, surfels.axis_v + 3 * i);
+  const V3 u = load3(surfels.axis_u + 3 * i), v = load3(surfels.axis_v + 3 * i);
   const V ux = dot(to.x, u), uy = dot(to.y, u), vx = dot(to.x, v), vy = dot(to.y, v);
   const V u_along = dot(to.distance, u), v_along = dot(to.distance, v);
   const V uu = dot(u, u), vv = dot(v, v);
   const V inv_parallelogram = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(hn::Mul(uu, vv)));
-  const V3 normal{hn::NegMulAdd(u.z, v.y, hn::Mul(u.y, v.z)),
-                  hn::NegMulAdd(u.x, v.z, hn::Mul(u.z, v.x)),
-                  hn::NegMulAdd(u.y, v.x, hn::Mul(u.x, v.y))};
+  const V3 normal = cross(u, v);
   Footprint f;
   f.vxx = hn::MulAdd(ux, ux, hn::Mul(vx, vx));
   f.vyy = hn::MulAdd(uy, uy, hn::Mul(vy, vy));

@@ -14,13 +14,11 @@
 #include <cstddef>
 #include <span>
 
-#include "render/kernel/limits.h"
+#include "render/kernel/kernel.h"
+#include "render/kernel/simd-inl.h"
 #include "render/splat/block-inl.h"
 #include "render/splat/constants.h"
-#include "render/splat/covering-inl.h"
-#include "render/splat/lens_edge-inl.h"
-#include "render/splat/pixel_edge-inl.h"
-#include "render/splat/simd-inl.h"
+#include "render/splat/edges-inl.h"
 #include "render/splat/splat.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,4 +1,5 @@
-// The open layer of a few samples, while splats are added to it. Included once a SIMD target.
+// The open layer of a few samples, while splats are added to it, and the point of the lens through
+// which a sample sees a splat. Included once a SIMD target.
 #if defined(FOCI_OPEN_LAYER_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOCI_OPEN_LAYER_INL_H
 #undef FOCI_OPEN_LAYER_INL_H
@@ -10,14 +11,74 @@
 
 #include <cmath>
 #include <cstddef>
+#include <glm/glm.hpp>
 
-#include "render/kernel/limits.h"
+#include "render/kernel/kernel.h"
 #include "render/splat/layers-inl.h"
 #include "render/splat/splat.h"
+#include "render/splat/tile_job.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
+
+/// Lens radii, along the image's axes or the lens's meridians.
+struct LensPoint {
+  V x, y;
+};
+
+/// The mean lens point through which samples at (dx, dy) from a splat's centre see the splat.
+template <bool kAstigmatic>
+HWY_INLINE LensPoint lensPointAt(const TileJob& job, const SplatLens& lens, const SplatLens& across,
+                                 V dx, V dy) {
+  const D d;
+  if constexpr (kAstigmatic) {
+    const auto perPixel = [&](float x_of, float y_of) {
+      return hn::MulAdd(dx, hn::Set(d, x_of), hn::Mul(dy, hn::Set(d, y_of)));
+    };
+    const glm::vec2 m = job.meridian * glm::vec2(job.lens_x, job.lens_y);
+    const glm::vec2 a(-job.meridian.y * job.lens_x, job.meridian.x * job.lens_y);
+    return {perPixel(lens.per_px * m.x, lens.per_px * m.y),
+            perPixel(across.per_px * a.x, across.per_px * a.y)};
+  } else {
+    return {hn::Mul(dx, hn::Set(d, lens.per_px * job.lens_x)),
+            hn::Mul(dy, hn::Set(d, lens.per_px * job.lens_y))};
+  }
+}
+
+/// How much larger a slanted splat looks from a lens point (`SplatLens`).
+template <bool kAstigmatic>
+HWY_INLINE V tiltFactor(const TileJob& job, const SplatLens& lens, const LensPoint& point) {
+  const D d;
+  const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
+  const V tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
+  const V tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
+  return hn::Abs(hn::MulAdd(tilt_x, point.x, hn::MulAdd(tilt_y, point.y, hn::Set(d, 1.0f))));
+}
+
+/// Transmittance of the layers in front for a splat that is seen through a lens point, over their
+/// mean transmittance. The step at the sample's edge (`findEdge`) is as soft as the splat's lens
+/// points spread.
+template <bool kAstigmatic>
+HWY_INLINE V edgeTransmittance(const Light& light, std::size_t i, const LensPoint& point,
+                               const SplatLens& lens, const SplatLens& across) {
+  const D d;
+  const V one = hn::Set(d, 1.0f);
+  const V off = hn::NegMulAdd(
+      hn::Load(d, light.edge_x + i), point.x,
+      hn::NegMulAdd(hn::Load(d, light.edge_y + i), point.y, hn::Load(d, light.edge_at + i)));
+  V sharpness = hn::Set(d, lens.inv_width);
+  if constexpr (kAstigmatic) {
+    // The variance along the edge's normal, whose components' squares sum to 1.
+    const V width2 = hn::Set(d, 1.0f / (lens.inv_width * lens.inv_width));
+    const V across_width2 = hn::Set(d, 1.0f / (across.inv_width * across.inv_width));
+    const V n = hn::Load(d, light.edge_x + i);
+    const V squared = hn::MulAdd(hn::Mul(n, n), hn::Sub(width2, across_width2), across_width2);
+    sharpness = hn::Div(one, hn::Sqrt(squared));
+  }
+  const V within = hn::Min(hn::Max(hn::MulAdd(off, sharpness, hn::Set(d, 0.5f)), hn::Zero(d)), one);
+  return hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
+}
 
 /// The open layer of a few samples, in registers: the sums of one side of the surface.
 template <bool kTransparent, bool kDepth, bool kLens>
@@ -26,45 +87,13 @@ struct OpenLayer {
   V blocked_x, blocked_y, right, above, right_above;
 
   HWY_INLINE void load(const Block& block, const Sums& sums, std::size_t i) {
-    const D d;
-    far_m = hn::Load(d, block.far_m + i);
-    weight = hn::Load(d, sums.weight + i);
-    red = hn::Load(d, sums.red + i);
-    green = hn::Load(d, sums.green + i);
-    blue = hn::Load(d, sums.blue + i);
-    if constexpr (kTransparent || kLens) visible = hn::Load(d, sums.visible + i);
-    if constexpr (kDepth) distance = hn::Load(d, sums.distance + i);
-    mean_x = hn::Load(d, sums.mean_x + i);
-    mean_y = hn::Load(d, sums.mean_y + i);
-    if constexpr (kLens) {
-      lens_weight = hn::Load(d, sums.lens_weight + i);
-      right = hn::Load(d, sums.right + i);
-      above = hn::Load(d, sums.above + i);
-      right_above = hn::Load(d, sums.right_above + i);
-      blocked_x = hn::Load(d, sums.blocked_x + i);
-      blocked_y = hn::Load(d, sums.blocked_y + i);
-    }
+    far_m = hn::Load(D(), block.far_m + i);
+    forEachSum(*this, sums, [i](V& own, const float* sum) { own = hn::Load(D(), sum + i); });
   }
 
   HWY_INLINE void store(Block& block, Sums& sums, std::size_t i) const {
-    const D d;
-    hn::Store(far_m, d, block.far_m + i);
-    hn::Store(weight, d, sums.weight + i);
-    hn::Store(red, d, sums.red + i);
-    hn::Store(green, d, sums.green + i);
-    hn::Store(blue, d, sums.blue + i);
-    if constexpr (kTransparent || kLens) hn::Store(visible, d, sums.visible + i);
-    if constexpr (kDepth) hn::Store(distance, d, sums.distance + i);
-    hn::Store(mean_x, d, sums.mean_x + i);
-    hn::Store(mean_y, d, sums.mean_y + i);
-    if constexpr (kLens) {
-      hn::Store(lens_weight, d, sums.lens_weight + i);
-      hn::Store(right, d, sums.right + i);
-      hn::Store(above, d, sums.above + i);
-      hn::Store(right_above, d, sums.right_above + i);
-      hn::Store(blocked_x, d, sums.blocked_x + i);
-      hn::Store(blocked_y, d, sums.blocked_y + i);
-    }
+    hn::Store(far_m, D(), block.far_m + i);
+    forEachSum(*this, sums, [i](const V& own, float* sum) { hn::Store(own, D(), sum + i); });
   }
 
   /// Adds a splat's colours.
@@ -126,6 +155,26 @@ struct OpenLayer {
   }
 
  private:
+  /// Visits each sum that the layer has, here and in the block.
+  template <class Layer, class BlockSums, class Visit>
+  static HWY_INLINE void forEachSum(Layer& layer, BlockSums& sums, const Visit& visit) {
+    visit(layer.weight, sums.weight);
+    visit(layer.red, sums.red);
+    visit(layer.green, sums.green);
+    visit(layer.blue, sums.blue);
+    if constexpr (kTransparent || kLens) visit(layer.visible, sums.visible);
+    if constexpr (kDepth) visit(layer.distance, sums.distance);
+    visit(layer.mean_x, sums.mean_x);
+    visit(layer.mean_y, sums.mean_y);
+    if constexpr (!kLens) return;
+    visit(layer.lens_weight, sums.lens_weight);
+    visit(layer.right, sums.right);
+    visit(layer.above, sums.above);
+    visit(layer.right_above, sums.right_above);
+    visit(layer.blocked_x, sums.blocked_x);
+    visit(layer.blocked_y, sums.blocked_y);
+  }
+
   static HWY_INLINE V upToOpaque(V sum) {
     const D d;
     return hn::Max(hn::Sub(hn::Set(d, kOpaqueWeight), sum), hn::Zero(d));

@@ -5,7 +5,6 @@
 #include "base/parallel.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <type_traits>
 
@@ -138,52 +137,39 @@ HWY_EXPORT(projectNodes);
 
 namespace {
 
-bool blurs(const ProjectJob& job) { return job.blur_x > 0.0f && job.blur_y > 0.0f; }
+bool blurs(const ProjectJob& job) { return job.blur.x > 0.0f && job.blur.y > 0.0f; }
 
 /// @param outside  `bodiesFromOutside`
 ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
                  const Projection& projection, const std::vector<std::uint8_t>& outside) {
-  ProjectJob job{};
-  const glm::mat3 rotation(view.eye_from_world);
-  const glm::vec3 eye = -glm::transpose(rotation) * glm::vec3(view.eye_from_world[3]);
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      job.rotation[3 * row + column] = rotation[column][row];
-    }
-    job.eye[row] = eye[row];
-  }
-  job.focal_x = view.focal_px.x;
-  job.focal_y = view.focal_px.y;
+  const glm::mat3 rows = glm::transpose(glm::mat3(view.eye_from_world));
   // Astigmatism displaces all points alike, whatever their distance, for a given lens point.
-  const glm::vec2 lens = projection.lens, j = defocus.astigmatism_D;
+  const glm::vec2 lens = projection.lens, j = defocus.astigmatism_D,
+                  radius = defocus.radius_px_per_D;
   const glm::vec2 aside_D(j.x * lens.x + j.y * lens.y, j.y * lens.x - j.x * lens.y);
-  job.principal_x = view.principal_px.x + defocus.radius_px_per_D.x * aside_D.x;
-  job.principal_y = view.principal_px.y + defocus.radius_px_per_D.y * aside_D.y;
-  job.width = static_cast<float>(view.size_px.x);
-  job.height = static_cast<float>(view.size_px.y);
-  job.near_m = view.near_m;
-  job.margin = static_cast<float>(projection.margin_px);
-  job.blur_x = defocus.radius_px_per_D.x * projection.aperture;
-  job.blur_y = defocus.radius_px_per_D.y * projection.aperture;
-  job.lens_x = defocus.radius_px_per_D.x * projection.lens.x;
-  job.lens_y = defocus.radius_px_per_D.y * projection.lens.y;
-  job.focus_D = defocus.focus_D;
-  job.j0 = defocus.astigmatism_D.x;
-  job.j45 = defocus.astigmatism_D.y;
-  job.astigmatism = blurs(job) ? glm::length(defocus.astigmatism_D) : 0.0f;
-  job.gaze_x = projection.acuity.gaze_px.x;
-  job.gaze_y = projection.acuity.gaze_px.y;
-  job.acuity_base = projection.acuity.base_px;
-  job.acuity_per = projection.acuity.per_px;
-  job.along_axis = defocus.along == DistanceAlong::axis;
-  job.gaussian = projection.kernel == BlurKernel::gaussian;
-  job.sub_aperture = projection.sub_aperture;
-  job.oriented = oriented;
-  job.shading = projection.shading;
-  job.shapes = kernelShapes().data();
-  job.outside = outside.empty() ? nullptr : outside.data();
-  job.lens_m = lensRadius_m(view, defocus);
-  job.lens_px_per_D = std::sqrt(defocus.radius_px_per_D.x * defocus.radius_px_per_D.y);
+  ProjectJob job{.rows = rows,
+                 .eye = -rows * glm::vec3(view.eye_from_world[3]),
+                 .focal = view.focal_px,
+                 .principal = view.principal_px + radius * aside_D,
+                 .size = view.size_px,
+                 .near_m = view.near_m,
+                 .margin = static_cast<float>(projection.margin_px),
+                 .blur = radius * projection.aperture,
+                 .focus_D = defocus.focus_D,
+                 .j = j,
+                 .astigmatism = 0.0f,
+                 .lens = radius * lens,
+                 .sub_aperture = projection.sub_aperture,
+                 .acuity = projection.acuity,
+                 .along_axis = defocus.along == DistanceAlong::axis,
+                 .gaussian = projection.kernel == BlurKernel::gaussian,
+                 .oriented = oriented,
+                 .shading = projection.shading,
+                 .shapes = kernelShapes().data(),
+                 .outside = outside.empty() ? nullptr : outside.data(),
+                 .lens_m = lensRadius_m(view, defocus),
+                 .lens_px_per_D = std::sqrt(radius.x * radius.y)};
+  if (blurs(job)) job.astigmatism = glm::length(j);
   return job;
 }
 

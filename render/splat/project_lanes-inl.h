@@ -13,9 +13,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 
 #include "render/kernel/kernel.h"
-#include "render/kernel/limits.h"
+#include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/splat/constants.h"
 #include "render/splat/footprint-inl.h"
@@ -24,22 +25,21 @@
 #define FOCI_PROJECT_LANES_ONCE
 namespace foci {
 
-/// Parameters of a projection, as plain floats. The rotation's row r is
-/// (rotation[3 r], rotation[3 r + 1], rotation[3 r + 2]).
+/// Parameters of a projection.
 struct ProjectJob {
-  float rotation[9];
-  float eye[3];  // in the world, metres
-  float focal_x, focal_y, principal_x, principal_y;
-  float width, height, near_m;
-  float margin;                   // `Projection::margin_px`
-  float blur_x, blur_y, focus_D;  // blur radius of the aperture, pixels a dioptre
-  float j0, j45, astigmatism;     // see `Defocus`; the last is their length
-  float lens_x, lens_y;           // displacement for the aperture's centre, pixels a dioptre
-  float sub_aperture;             // `Projection::sub_aperture`
-  float gaze_x, gaze_y, acuity_base, acuity_per;  // see `Acuity`
-  bool along_axis;
-  bool gaussian;
-  bool oriented;
+  glm::mat3 rows;                    // the axes of the eye: right, up, back
+  glm::vec3 eye;                     // in the world, metres
+  glm::vec2 focal, principal, size;  // pixels
+  float near_m;
+  float margin;    // `Projection::margin_px`
+  glm::vec2 blur;  // blur radius of the aperture, pixels a dioptre
+  float focus_D;
+  glm::vec2 j;         // `Defocus::astigmatism_D`
+  float astigmatism;   // its length
+  glm::vec2 lens;      // displacement for the aperture's centre, pixels a dioptre
+  float sub_aperture;  // `Projection::sub_aperture`
+  Acuity acuity;
+  bool along_axis, gaussian, oriented;
   float shading;
   const KernelShape* shapes;    // `kernelShapes()`
   const std::uint8_t* outside;  // `bodiesFromOutside`; null: there are no bodies
@@ -55,8 +55,7 @@ namespace foci {
 namespace HWY_NAMESPACE {
 HWY_INLINE V3 rowOf(const ProjectJob& job, int r) {
   const D d;
-  return {hn::Set(d, job.rotation[3 * r]), hn::Set(d, job.rotation[3 * r + 1]),
-          hn::Set(d, job.rotation[3 * r + 2])};
+  return {hn::Set(d, job.rows[r].x), hn::Set(d, job.rows[r].y), hn::Set(d, job.rows[r].z)};
 }
 
 /// The results of one SIMD step, which scalar code reads one lane after the other.
@@ -104,15 +103,15 @@ HWY_INLINE BlurVariance blurEllipse(const ProjectJob& job, V out_of_focus_D, V s
   const D d;
   const auto set = [&](float value) { return hn::Set(d, value); };
   const float k = job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2;
-  const V j45 = set(job.j45), astigmatism = set(job.astigmatism);
-  const V fx = hn::Add(out_of_focus_D, set(job.j0)), fy = hn::Sub(out_of_focus_D, set(job.j0));
-  const V bxx = hn::Mul(set(k * job.blur_x * job.blur_x), hn::MulAdd(fx, fx, hn::Mul(j45, j45)));
-  const V byy = hn::Mul(set(k * job.blur_y * job.blur_y), hn::MulAdd(fy, fy, hn::Mul(j45, j45)));
-  const V bxy = hn::Mul(set(2.0f * k * job.blur_x * job.blur_y * job.j45), out_of_focus_D);
+  const V j45 = set(job.j.y), astigmatism = set(job.astigmatism);
+  const V fx = hn::Add(out_of_focus_D, set(job.j.x)), fy = hn::Sub(out_of_focus_D, set(job.j.x));
+  const V bxx = hn::Mul(set(k * job.blur.x * job.blur.x), hn::MulAdd(fx, fx, hn::Mul(j45, j45)));
+  const V byy = hn::Mul(set(k * job.blur.y * job.blur.y), hn::MulAdd(fy, fy, hn::Mul(j45, j45)));
+  const V bxy = hn::Mul(set(2.0f * k * job.blur.x * job.blur.y * job.j.y), out_of_focus_D);
 
   const V mean_D = hn::Abs(out_of_focus_D), min_D = hn::Sub(mean_D, astigmatism);
-  const float narrowest = std::min(job.blur_x, job.blur_y);
-  const float radius = std::sqrt(job.blur_x * job.blur_y);
+  const float narrowest = std::min(job.blur.x, job.blur.y);
+  const float radius = std::sqrt(job.blur.x * job.blur.y);
   hn::Store(bxy, d, out.blur_xy);
   hn::Store(hn::Mul(set(k * narrowest * narrowest), hn::Mul(min_D, min_D)), d, out.blur_min2);
   hn::Store(hn::Mul(set(radius), hn::Add(mean_D, astigmatism)), d, out.radius);
@@ -169,7 +168,7 @@ HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, s
   const V inv_depth = hn::Div(one, hn::Max(depth, set(job.near_m)));
   c.inv_depth = inv_depth;
   const V tx = hn::Mul(dot(right, p), inv_depth), ty = hn::Mul(dot(up, p), inv_depth);
-  const V sx = hn::Mul(set(job.focal_x), inv_depth), sy = hn::Mul(set(-job.focal_y), inv_depth);
+  const V sx = hn::Mul(set(job.focal.x), inv_depth), sy = hn::Mul(set(-job.focal.y), inv_depth);
 
   // Distance along the line of sight or along the axis.
   const V sight2 = dot(p, p);
@@ -179,12 +178,12 @@ HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, s
 
   // From the aperture's centre the image moves with the vergence, and so does the Jacobian.
   c.out_of_focus_D = hn::Sub(set(job.focus_D), inv_distance);
-  c.axis_x_px = hn::MulAdd(set(job.lens_x), c.out_of_focus_D, set(job.principal_x));
-  c.axis_y_px = hn::MulAdd(set(job.lens_y), c.out_of_focus_D, set(job.principal_y));
-  c.x_px = hn::MulAdd(set(job.focal_x), tx, c.axis_x_px);
-  c.y_px = hn::NegMulAdd(set(job.focal_y), ty, c.axis_y_px);
+  c.axis_x_px = hn::MulAdd(set(job.lens.x), c.out_of_focus_D, set(job.principal.x));
+  c.axis_y_px = hn::MulAdd(set(job.lens.y), c.out_of_focus_D, set(job.principal.y));
+  c.x_px = hn::MulAdd(set(job.focal.x), tx, c.axis_x_px);
+  c.y_px = hn::NegMulAdd(set(job.focal.y), ty, c.axis_y_px);
   const V slope = hn::Mul(inv_distance, inv_distance);
-  const V slope_x = hn::Mul(set(job.lens_x), slope), slope_y = hn::Mul(set(job.lens_y), slope);
+  const V slope_x = hn::Mul(set(job.lens.x), slope), slope_y = hn::Mul(set(job.lens.y), slope);
   const auto gradients = [&](V p_axis, V right_axis, V up_axis, V back_axis, V& x, V& y, V& along) {
     along = job.along_axis ? hn::Neg(back_axis) : hn::Mul(p_axis, c.inv_sight);
     x = hn::MulAdd(slope_x, along, hn::Mul(sx, hn::MulAdd(back_axis, tx, right_axis)));
@@ -200,10 +199,11 @@ HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, s
 HWY_INLINE V prefilterAt(const ProjectJob& job, V x_px, V y_px) {
   const D d;
   const auto set = [&](float value) { return hn::Set(d, value); };
-  const V gaze_dx = hn::Sub(x_px, set(job.gaze_x)), gaze_dy = hn::Sub(y_px, set(job.gaze_y));
+  const V gaze_dx = hn::Sub(x_px, set(job.acuity.gaze_px.x)),
+          gaze_dy = hn::Sub(y_px, set(job.acuity.gaze_px.y));
   const V from_gaze = hn::Sqrt(hn::MulAdd(gaze_dx, gaze_dx, hn::Mul(gaze_dy, gaze_dy)));
   const V finest =
-      hn::Max(hn::MulAdd(set(job.acuity_per), from_gaze, set(job.acuity_base)), set(1.0f));
+      hn::Max(hn::MulAdd(set(job.acuity.per_px), from_gaze, set(job.acuity.base_px)), set(1.0f));
   return hn::Mul(finest, finest);
 }
 
@@ -214,7 +214,7 @@ HWY_INLINE BlurVariance blurOf(const ProjectJob& job, const Footprint& f, V out_
   const V one = hn::Set(d, 1.0f);
   const auto set = [&](float value) { return hn::Set(d, value); };
   const V defocus_D = hn::Abs(out_of_focus_D);
-  const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
+  const V cx = hn::Mul(set(job.blur.x), defocus_D), cy = hn::Mul(set(job.blur.y), defocus_D);
   const V per_radius2 = set(job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2);
   const V x2 = hn::Mul(hn::Mul(per_radius2, cx), cx);
   const V y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
@@ -245,8 +245,8 @@ HWY_INLINE void storeSlant(const ProjectJob& job, const Centres& c, const V3& no
   const V towards = dot(normal, c.p);
   const V away = hn::Mul(towards, c.inv_sight);
   const V inv = hn::Div(one, hn::CopySign(hn::Max(hn::Abs(towards), set(1e-20f)), towards));
-  const V tilt_x = hn::Mul(hn::Mul(set(-job.blur_x / job.focal_x), dot(right, normal)), inv);
-  const V tilt_y = hn::Mul(hn::Mul(set(job.blur_y / job.focal_y), dot(up, normal)), inv);
+  const V tilt_x = hn::Mul(hn::Mul(set(-job.blur.x / job.focal.x), dot(right, normal)), inv);
+  const V tilt_y = hn::Mul(hn::Mul(set(job.blur.y / job.focal.y), dot(up, normal)), inv);
   const V tilt = hn::Sqrt(hn::MulAdd(tilt_x, tilt_x, hn::Mul(tilt_y, tilt_y)));
   const V more = hn::Max(hn::Sub(tilt, set(kMinTilt)), hn::Zero(d));
   const V counts = hn::Div(more, hn::Max(tilt, set(kMinTilt)));
@@ -280,8 +280,8 @@ HWY_INLINE hn::Mask<D> reachesImage(const ProjectJob& job, const Centres& c, V w
     return hn::And(hn::Gt(hn::Add(at, reach_px), hn::Zero(d)),
                    hn::Lt(hn::Sub(at, reach_px), set(size)));
   };
-  return hn::And(alongAxis(c.x_px, c.axis_x_px, job.focal_x, job.width, soft_x),
-                 alongAxis(c.y_px, c.axis_y_px, job.focal_y, job.height, soft_y));
+  return hn::And(alongAxis(c.x_px, c.axis_x_px, job.focal.x, job.size.x, soft_x),
+                 alongAxis(c.y_px, c.axis_y_px, job.focal.y, job.size.y, soft_y));
 }
 
 /// Whether a splat renders anything: in front, on the image, with an area. NaN fails comparisons.
@@ -292,9 +292,9 @@ HWY_INLINE hn::Mask<D> isVisible(const ProjectJob& job, const Centres& c, V vari
   const V radius_x = hn::Sqrt(hn::Mul(set(kWidestSupport2), variance_x));
   const V radius_y = hn::Sqrt(hn::Mul(set(kWidestSupport2), variance_y));
   auto keep = hn::And(hn::Gt(hn::Add(c.x_px, radius_x), set(-job.margin)),
-                      hn::Lt(hn::Sub(c.x_px, radius_x), set(job.width + job.margin)));
+                      hn::Lt(hn::Sub(c.x_px, radius_x), set(job.size.x + job.margin)));
   keep = hn::And(keep, hn::And(hn::Gt(hn::Add(c.y_px, radius_y), set(-job.margin)),
-                               hn::Lt(hn::Sub(c.y_px, radius_y), set(job.height + job.margin))));
+                               hn::Lt(hn::Sub(c.y_px, radius_y), set(job.size.y + job.margin))));
   keep = hn::And(keep, hn::And(hn::Gt(area, set(0.0f)), hn::Lt(area, set(kLargest_px2))));
   keep = hn::And(
       keep, hn::And(hn::Lt(variance_x, set(kLargest_px2)), hn::Lt(variance_y, set(kLargest_px2))));

@@ -2,7 +2,6 @@
 // Projection writes splats, binning and the sweep read them.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>

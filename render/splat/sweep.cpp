@@ -9,10 +9,8 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <vector>
 
-#include "render/kernel/limits.h"
-#include "render/splat/interpolate.h"
+#include "render/kernel/kernel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/sweep.cpp"

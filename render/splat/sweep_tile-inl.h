@@ -12,18 +12,15 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#include "render/kernel/limits.h"
+#include "render/kernel/kernel.h"
 #include "render/splat/batch-inl.h"
 #include "render/splat/layers-inl.h"
-#include "render/splat/lens_point-inl.h"
 #include "render/splat/open_layer-inl.h"
 #include "render/splat/splat.h"
-#include "render/splat/sub_aperture_splats-inl.h"
 #include "render/splat/tile_job.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -76,7 +76,7 @@ def check_render_alone(cmake, cxx, folder):
               for package in ("OpenCV", "Ceres", "toml11", "embree", "draco", "meshoptimizer", "assimp")]
     run(cmake, "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={cxx}", *absent)
     sources = ("CMakeFiles/foci_base.dir/base/image_codec.cpp.o", "render/CMakeFiles/foci_render.dir/scene/io/compression.cpp.o",
-               "render/CMakeFiles/foci_render.dir/scene/io/mesh_textures.cpp.o")
+               "render/CMakeFiles/foci_render.dir/scene/io/mesh_files.cpp.o")
     run("ninja", "-C", folder / "build", "CMakeFiles/embeds.dir/main.cpp.o", *(f"foci/{source}" for source in sources))
     commands = run("ninja", "-C", folder / "build", "-t", "commands", "embeds")
     expect("-o embeds" in commands and "libpng" in commands, commands)

@@ -20,7 +20,6 @@
 #include "base/quantile.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
-#include "render/image/visible_difference.h"
 #include "render/lod/moment_tree.h"
 
 namespace foci {

@@ -1,6 +1,6 @@
 // What every stage of a frame shares: its parameters. Constants that the CPU has too come before it
 // (shader_text.cpp).
-// render/gl/frame_block.h fills the block.
+// render/gl/frame_stages.h fills the block.
 layout(std140, binding = 0) uniform Frame {
   vec4 right, up, back;  // rows of the rotation; w: the eye's place in the world, x, y, z, metres
   vec4 focal_principal_px;  // as the aperture's centre sees it: focal x, y, principal x, y

@@ -21,7 +21,7 @@ const float kLog2E = 1.44269504;
 shared vec4 form[kBatch], shape[kBatch];
 shared vec3 look[kBatch];
 #ifdef DEPTH
-shared vec4 vergences[kBatch];  // slope, low, high: `Vergences` of render/gaussians/vergences-inl.h
+shared vec4 vergences[kBatch];  // slope, low, high: `Vergences` of render/gaussians/lane_functions-inl.h
 #endif
 
 // As the disc sees a Gaussian. At the offset d from its centre, pixels,

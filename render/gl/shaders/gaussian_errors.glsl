@@ -7,7 +7,7 @@ layout(std430, binding = 1) writeonly buffer Squares { vec4 squares[]; };
 layout(location = 0) uniform uint sample_count;
 layout(location = 1) uniform uint first_square;  // of the batch
 
-// `visibleDifferencePerLight` of render/image/visible_difference.cpp.
+// `visibleDifferencePerLight` of render/image/metrics.cpp.
 float slopeOf(float t) {
   return t > kLinearBelow ? pow(t, -2.0 / 3.0) / 3.0 : kLinearSlope;
 }

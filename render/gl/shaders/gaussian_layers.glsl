@@ -2,7 +2,7 @@
 // layer. Behind each of its views lies the mean of the next layer's views through nearby discs. The
 // views of the layer before, as its discs see this layer, are planes at this layer's samples.
 
-// `GpuJob` of render/gl/gaussian_jobs.h.
+// `GpuJob` of render/gl/gaussian_layers.h.
 struct Job {
   vec2 first_px;
   float step_px;

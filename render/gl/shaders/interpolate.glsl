@@ -1,5 +1,5 @@
 // Pixels from the samples of their tiles: copied, or by Catmull and Rom's cubic
-// (render/splat/interpolate.cpp).
+// (render/splat/bin.cpp).
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(std430, binding = 0) readonly buffer TileOfCell { uint tile_of_cell[]; };
 layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };

@@ -1,5 +1,5 @@
-// The layers of one sample: what render/splat/layers-inl.h, covering-inl.h, lens_edge-inl.h and
-// pixel_edge-inl.h do for a SIMD vector of samples. LENS: the sums keep lens points.
+// The layers of one sample: what render/splat/layers-inl.h, block-inl.h and edges-inl.h do for a
+// SIMD vector of samples. LENS: the sums keep lens points.
 #ifdef LENS
 const float kLinearTo = kLinearFromBlurred, kOpaqueFrom = kOpaqueFromBlurred;
 #else

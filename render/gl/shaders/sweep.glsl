@@ -34,7 +34,7 @@ float coverage;
 
 float upToOpaque(float sum) { return max(kOpaqueWeight - sum, 0.0); }
 
-// closingFactor of render/kernel/limits.h; erf by Abramowitz and Stegun 7.1.26, within 1.5e-7.
+// closingFactor of render/kernel/kernel.h; erf by Abramowitz and Stegun 7.1.26, within 1.5e-7.
 float closingFactor(float blur) {
   float low_pass = background_low_pass.w;
   if (low_pass == 0.0) return 1.0;

@@ -7,7 +7,6 @@
 
 #include "render/image/frame.h"
 #include "render/literature/paper/splat.h"
-#include "render/literature/paper/tiles.h"
 
 namespace foci {
 

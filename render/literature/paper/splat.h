@@ -1,9 +1,12 @@
-// A surfel on the image as the paper's methods render it: a truncated Gaussian.
+// A surfel on the image as the paper's methods render it, a truncated Gaussian, and which splats
+// touch which tile.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace foci {
@@ -60,6 +63,24 @@ struct PaperSplats {
     for (const Chunk& chunk : chunks) sum += chunk.count;
     return sum;
   }
+};
+
+/// Lists of splat indices by tile, each in the order of the chunks, at any number of threads. They
+/// need no order of depth: an A-buffer takes its fragments in any order.
+class PaperTileLists {
+ public:
+  void build(const PaperSplats& splats, const glm::ivec2& size_px);
+
+  glm::ivec2 tiles() const { return tiles_; }
+  std::span<const std::uint32_t> tile(std::size_t index) const {
+    return {entries_.data() + begin_[index], entries_.data() + begin_[index + 1]};
+  }
+
+ private:
+  glm::ivec2 tiles_{0};
+  std::vector<std::size_t> begin_;
+  std::vector<std::size_t> cursor_;
+  std::vector<std::uint32_t> entries_;
 };
 
 }  // namespace foci

@@ -1,4 +1,5 @@
-// Which surfels a pixel sees through a point of the lens, found by Embree.
+// Surfels on the pinhole image, and which of them a pixel sees through a point of the lens, found by
+// Embree.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +7,31 @@
 #include <vector>
 
 #include "render/literature/raytrace/embree_scene.h"
-#include "render/literature/raytrace/seen_surfel.h"
 #include "render/optics/defocus.h"
+#include "render/optics/view.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
+
+/// A surfel on the pinhole image. Through the lens point l, in pixels a dioptre, the centre moves
+/// by l (P - v), and an axis moves by l times the change of vergence along it.
+struct SeenSurfel {
+  glm::vec2 center_px;
+  glm::vec2 u_px, v_px;  ///< axes: one standard deviation
+  float u_D, v_D;        ///< change of the vergence along the axes
+  float vergence_D;
+  float area_per_axes;  ///< weight over |u x v|
+  glm::vec3 color;      ///< shaded, times opacity
+  float opacity;
+  bool back_facing;
+  float distance_m, near_m, far_m;
+};
+
+/// The surfels in front of the eye whose values are finite, from the nearest to the farthest.
+/// Surfels of equal distance keep their order.
+/// @param shading  as in `RenderSettings`
+std::vector<SeenSurfel> seenSurfels(const SurfelCloud& cloud, const View& view, DistanceAlong along,
+                                    float shading);
 
 struct Hit {
   std::uint32_t surfel;

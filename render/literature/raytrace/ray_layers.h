@@ -6,10 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "render/kernel/limits.h"
+#include "render/kernel/kernel.h"
 #include "render/kernel/pixel_edge.h"
 #include "render/literature/raytrace/disc_scene.h"
-#include "render/literature/raytrace/seen_surfel.h"
 
 namespace foci {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/kernel/limits.h"
+#include "render/kernel/kernel.h"
 
 namespace foci {
 namespace {

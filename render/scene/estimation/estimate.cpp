@@ -13,7 +13,6 @@
 
 #include "base/parallel.h"
 #include "render/normalisation/weights.h"
-#include "render/scene/morton.h"
 #include "render/scene/neighbours.h"
 
 namespace foci {

@@ -1,9 +1,7 @@
 #include "render/scene/io/point_formats.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <string>
 
 #include "base/input_error.h"
 #include "render/scene/io/file_bytes.h"
@@ -49,9 +47,9 @@ PointCloud readColmap(const std::filesystem::path& path) {
   const FileBytes file(path);
   const std::uint64_t count = u64At(file.part(0, kCountBytes), 0);
   if (count > (file.size() - kCountBytes) / kFixedBytes) {
-    throw InputError(file.name(), "says that it has " + std::to_string(count) +
-                                      " points: the file has room for at most " +
-                                      std::to_string((file.size() - kCountBytes) / kFixedBytes));
+    throw InputError(file.name(), "says that it has ", count,
+                     " points: the file has room for at most ",
+                     (file.size() - kCountBytes) / kFixedBytes);
   }
   PointCloud points;
   points.format = "COLMAP points";
@@ -62,9 +60,8 @@ PointCloud readColmap(const std::filesystem::path& path) {
     const std::uint64_t images = u64At(point, kTrackAt);
     at += kFixedBytes;
     if (images > (file.size() - at) / kImageBytes) {
-      throw InputError(file.name(), "point " + std::to_string(i + 1) + " is seen in " +
-                                        std::to_string(images) +
-                                        " images, more than the file has room for");
+      throw InputError(file.name(), "point ", i + 1, " is seen in ", images,
+                       " images, more than the file has room for");
     }
     at += kImageBytes * images;
     if (!positions.append(placeOf(point))) continue;

@@ -109,8 +109,8 @@ struct Layout {
 
 /// @throws InputError
 Layout layoutOf(const ply::Header& header, const std::string& file) {
-  const auto refuse = [&](const std::string& what) -> InputError {
-    return {file, "compressed PLY of Gaussians: " + what};
+  const auto refuse = [&](const auto&... what) {
+    return InputError(file, "compressed PLY of Gaussians: ", what...);
   };
   Layout layout{ply::elementNamed(header, "chunk"), ply::elementNamed(header, "vertex"),
                 ply::elementNamed(header, "sh")};
@@ -126,8 +126,8 @@ Layout layoutOf(const ply::Header& header, const std::string& file) {
   }
   const std::size_t needed = (layout.vertex->count + kChunk - 1) / kChunk;
   if (layout.chunk->count < needed) {
-    throw refuse("has " + std::to_string(layout.chunk->count) + " chunks: expected " +
-                 std::to_string(needed) + ", one for 256 vertices");
+    throw refuse("has ", layout.chunk->count, " chunks: expected ", needed,
+                 ", one for 256 vertices");
   }
   const bool ordered = layout.chunk < layout.vertex &&
                        (layout.harmonics == nullptr || layout.vertex < layout.harmonics);

@@ -14,12 +14,11 @@
 #include <glm/glm.hpp>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/mesh_builder.h"
-#include "render/scene/io/named_file.h"
+#include "render/scene/io/mesh_files.h"
 
 namespace foci {
 namespace {
@@ -62,8 +61,8 @@ class FbxMesh {
     for (char& c : why) {
       if (static_cast<unsigned char>(c) < ' ') c = ' ';
     }
-    throw InputError(path_.string(), "is no FBX that can be read: " + why.substr(0, 200) +
-                                         ": open it in Blender, for example, and export it again");
+    throw InputError(path_.string(), "is no FBX that can be read: ", why.substr(0, 200),
+                     ": open it in Blender, for example, and export it again");
   }
 
   void addNode(const aiNode& node, const glm::mat4& scene_from_parent, const std::string& above) {

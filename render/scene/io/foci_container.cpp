@@ -4,9 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <cstring>
-#include <stdexcept>
 
-#include "base/input_error.h"
 #include "base/parallel.h"
 
 namespace foci {
@@ -110,8 +108,6 @@ FociContainer::FociContainer(const std::filesystem::path& path, std::uint64_t ch
   checked_ = checked_ || header_.version != kFociTree;  // which are read into memory anyway
 }
 
-void FociContainer::refuse(const std::string& why) const { throw InputError(file_.name(), why); }
-
 void FociContainer::readHeader() {
   const ByteSpan bytes = file_.bytes();
   const std::size_t start = std::min(bytes.size(), kFociMagic.size());
@@ -120,14 +116,13 @@ void FociContainer::readHeader() {
     refuse("is not a .foci scene");
   }
   if (bytes.size() < sizeof(FociHeader)) {
-    refuse("is cut short: " + std::to_string(bytes.size()) + " bytes, a header has 64");
+    refuse("is cut short: ", bytes.size(), " bytes, a header has 64");
   }
   std::memcpy(&header_, bytes.data(), sizeof(header_));
   if (header_.magic != kFociMagic) refuse("was altered, as by a transfer as text");
   if (header_.version != kFociGaussians && header_.version != kFociTree) {
-    refuse("is of version " + std::to_string(header_.version) + ": this program reads versions " +
-           std::to_string(kFociGaussians) + " and " + std::to_string(kFociTree) +
-           "; foci prepare makes it again");
+    refuse("is of version ", header_.version, ": this program reads versions ", kFociGaussians,
+           " and ", kFociTree, "; foci prepare makes it again");
   }
   if (kChecksums && header_.header_checksum != checksumOf(header_))
     refuse("was altered: its header does not match");
@@ -142,8 +137,8 @@ std::vector<ByteSpan> FociContainer::arrays(const std::vector<std::uint64_t>& by
     refuse("is not a .foci scene: its sizes contradict each other");
   }
   if (size != expected) {
-    refuse(std::string(size < expected ? "is cut short" : "is too long") + ": " +
-           std::to_string(size) + " bytes of " + std::to_string(expected));
+    refuse(std::string(size < expected ? "is cut short" : "is too long"), ": ", size, " bytes of ",
+           expected);
   }
   std::vector<ByteSpan> all;
   std::size_t at = sizeof(FociHeader);

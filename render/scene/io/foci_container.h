@@ -8,9 +8,9 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "base/sized_file.h"
 
@@ -92,7 +92,10 @@ class FociContainer {
   bool isChecked() const { return checked_; }
 
   /// @throws InputError  always, with the file's name
-  [[noreturn]] void refuse(const std::string& why) const;
+  template <typename... Parts>
+  [[noreturn]] void refuse(const Parts&... why) const {
+    throw InputError(file_.name(), why...);
+  }
 
   /// The arrays of these numbers of bytes. @throws InputError if they are not the whole content, or
   /// it was altered

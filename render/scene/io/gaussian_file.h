@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>

@@ -102,14 +102,17 @@ class Columns {
   }
 
  private:
-  InputError refusal(const std::string& what) const { return {file_, "element vertex: " + what}; }
+  template <typename... Parts>
+  InputError refusal(const Parts&... what) const {
+    return {file_, "element vertex: ", what...};
+  }
   bool has(std::string_view name) const { return items_.find(name).has_value(); }
 
   std::vector<std::size_t> all(std::initializer_list<const char*> names) const {
     std::vector<std::size_t> columns;
     for (const char* name : names) {
       const auto found = items_.find(name);
-      if (!found) throw refusal(std::string("expected the property ") + name + " of a Gaussian");
+      if (!found) throw refusal("expected the property ", name, " of a Gaussian");
       columns.push_back(*found);
     }
     return columns;
@@ -122,7 +125,7 @@ class Columns {
       ++stored_degree_;
     }
     if (stored_degree_ > kMaxStoredDegree) {
-      throw refusal("has " + std::to_string(count) +
+      throw refusal("has ", count,
                     " properties f_rest: expected 0, 9, 24, 45 or 72, for degree 0 to 4");
     }
     for (int i = 0; i < count; ++i) {

@@ -2,7 +2,6 @@
 #include "render/scene/io/gltf_document.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <limits>
 #include <string_view>
@@ -10,10 +9,9 @@
 
 #include "base/base64.h"
 #include "base/input_error.h"
-#include "base/text.h"
 #include "render/scene/io/compression.h"
 #include "render/scene/io/file_bytes.h"
-#include "render/scene/io/named_file.h"
+#include "render/scene/io/mesh_files.h"
 
 namespace foci {
 namespace {
@@ -114,7 +112,7 @@ std::size_t numberIn(const GltfDocument& gltf, const Json& object, const char* k
   if (found->is_number_unsigned() && found->get<std::size_t>() <= kLargest) {
     return found->get<std::size_t>();
   }
-  gltf.refuse(std::string(key) + " = " + found->dump().substr(0, 40) +
+  gltf.refuse(key, " = ", found->dump().substr(0, 40),
               " is no number of bytes, elements or an entry");
 }
 
@@ -140,15 +138,15 @@ GltfDocument::GltfDocument(const std::filesystem::path& path)
   checkExtensions();
 }
 
-void GltfDocument::refuse(const std::string& what) const {
-  throw InputError(path_.string(),
-                   what + (compression_.empty() ? ""
-                                                : "; it is compressed with " + compression_ +
-                                                      ": try it without compression"));
+void GltfDocument::refuseFor(const std::string& what) const {
+  throw InputError(path_.string(), what,
+                   (compression_.empty() ? ""
+                                         : "; it is compressed with " + compression_ +
+                                               ": try it without compression"));
 }
 
 void GltfDocument::refuseVersion(const std::string& version) const {
-  refuse("is glTF of version " + version +
+  refuse("is glTF of version ", version,
          ": expected version 2, which Blender or gltf-pipeline makes of it");
 }
 
@@ -158,7 +156,7 @@ void GltfDocument::parse(Bytes file) {
     refuseVersion(std::to_string(u32At(file, 4)));
   }
   if (binary && file.size() >= kGlbHeader && u32At(file, 8) > file.size()) {
-    refuse("is cut off: states " + bytesText(u32At(file, 8)) + ", and has " +
+    refuse("is cut off: states ", bytesText(u32At(file, 8)), ", and has ",
            thousands(static_cast<double>(file.size())));
   }
   Bytes text = file;
@@ -178,8 +176,7 @@ void GltfDocument::parse(Bytes file) {
   }
   std::string_view json(reinterpret_cast<const char*>(text.data()), text.size());
   if (const int depth = jsonDepth(json); depth > kMaxJsonDepth) {
-    refuse("its JSON nests " + std::to_string(depth) + " deep: expected at most " +
-           std::to_string(kMaxJsonDepth));
+    refuse("its JSON nests ", depth, " deep: expected at most ", kMaxJsonDepth);
   }
   while (json.ends_with('\0')) json.remove_suffix(1);
   json_ = Json::parse(json, nullptr, /*allow_exceptions=*/false);  // skips a byte order mark
@@ -215,7 +212,7 @@ void GltfDocument::checkExtensions() {
       compression_ = name;
     } else if (!name.starts_with("KHR_materials_") &&
                std::none_of(kRead.begin(), kRead.end(), is)) {
-      refuse("requires the glTF extension " + shown(name) +
+      refuse("requires the glTF extension ", shown(name),
              ", which foci cannot read: export it without, e.g. from Blender");
     }
   }
@@ -232,7 +229,7 @@ const Json* GltfDocument::entry(const char* list, const Json& object, const char
 
 const Json& GltfDocument::accessorAt(std::size_t number) const {
   const Json* const accessor = entry("accessors", number);
-  if (accessor == nullptr) refuse("has no accessor " + std::to_string(number));
+  if (accessor == nullptr) refuse("has no accessor ", number);
   return *accessor;
 }
 
@@ -247,7 +244,7 @@ std::size_t GltfDocument::componentsOf(std::size_t accessor) const {
   for (const auto& [name, count] : kTypes) {
     if (type == name) return count;
   }
-  refuse("accessor " + std::to_string(accessor) + " has the type " + type.dump().substr(0, 40));
+  refuse("accessor ", accessor, " has the type ", type.dump().substr(0, 40));
 }
 
 std::optional<std::vector<unsigned char>> GltfDocument::dataOf(const std::string& uri) {
@@ -263,7 +260,7 @@ std::optional<std::vector<unsigned char>> GltfDocument::dataOf(const std::string
 GltfDocument::Bytes GltfDocument::buffer(std::size_t number) const {
   if (const auto known = buffers_.find(number); known != buffers_.end()) return known->second;
   const Json* const buffer = entry("buffers", number);
-  if (buffer == nullptr) refuse("has no buffer " + std::to_string(number));
+  if (buffer == nullptr) refuse("has no buffer ", number);
   Bytes bytes = chunk_;
   if (const auto uri = buffer->find("uri"); uri != buffer->end() && uri->is_string()) {
     const auto name = uri->get<std::string>();
@@ -273,7 +270,7 @@ GltfDocument::Bytes GltfDocument::buffer(std::size_t number) const {
       auto file = namedFile(path_, name);
       if (!file) file = namedFile(path_, percentDecoded(name));
       if (!file) {
-        refuse("its buffer " + shown(name) + " is missing: put that file beside it");
+        refuse("its buffer ", shown(name), " is missing: put that file beside it");
       }
       requireRegularFile(*file);
       budget_.addFile(*file);
@@ -290,7 +287,7 @@ GltfDocument::Bytes GltfDocument::slice(const std::string& what, const Json& obj
   const std::size_t offset = numberIn(*this, object, "byteOffset", 0);
   const std::size_t length = numberIn(*this, object, "byteLength", 0);
   if (offset > all.size() || length > all.size() - offset) {
-    refuse(what + " reaches beyond its buffer of " + bytesText(all.size()) +
+    refuse(what, " reaches beyond its buffer of ", bytesText(all.size()),
            ": is the file cut off? else export it again");
   }
   return all.subspan(offset, length);
@@ -300,7 +297,7 @@ GltfDocument::Bytes GltfDocument::view(std::size_t number) const {
   if (const auto known = decoded_.find(number); known != decoded_.end()) return known->second;
   const std::string what = "view " + std::to_string(number);
   const Json* const view = entry("bufferViews", number);
-  if (view == nullptr) refuse("has no view " + std::to_string(number));
+  if (view == nullptr) refuse("has no view ", number);
   for (const std::string_view name : kMeshopt) {
     const Json* const packed = extensionOf(*view, name.data());
     if (packed == nullptr) continue;
@@ -313,7 +310,7 @@ GltfDocument::Bytes GltfDocument::view(std::size_t number) const {
                               .count = count,
                               .stride = stride};
     if (!decodeMeshopt(meshopt, slice(what, *packed), bytes)) {
-      refuse(what + " of " + std::string(name) + " cannot be decoded: save it without compression");
+      refuse(what, " of ", name, " cannot be decoded: save it without compression");
     }
     return decoded_[number] = std::move(bytes);
   }
@@ -332,7 +329,7 @@ GltfDocument::Records GltfDocument::recordsOf(const std::string& what, const Jso
   const bool inside = offset <= bytes.size() && bytes.size() - offset >= record &&
                       (bytes.size() - offset - record) / stride + 1 >= count;
   if (count > 0 && !inside) {
-    refuse(what + " reaches beyond its view of " + bytesText(bytes.size()) +
+    refuse(what, " reaches beyond its view of ", bytesText(bytes.size()),
            ": is the file cut off? else export it again");
   }
   return {bytes.data() + offset, stride};
@@ -346,9 +343,8 @@ std::vector<To> GltfDocument::values(std::size_t number, std::size_t components,
   const std::size_t count = countOf(number), type = numberIn(*this, accessor, "componentType", 0);
   const ReadNumber<To> read = readerOf<To>(type);
   if (read == nullptr || componentsOf(number) != components) {
-    refuse(what + " has components of the type " + std::to_string(type) + ", " +
-           std::to_string(componentsOf(number)) + " each: expected " + std::to_string(components) +
-           (std::is_same_v<To, float> ? " numbers" : " integer"));
+    refuse(what, " has components of the type ", type, ", ", componentsOf(number),
+           " each: expected ", components, (std::is_same_v<To, float> ? " numbers" : " integer"));
   }
   const bool normalized = (as_unit || accessor.value("normalized", Json()) == true) && type != 5126;
   const std::size_t bytes = bytesOfComponent(type);
@@ -372,14 +368,13 @@ std::vector<To> GltfDocument::values(std::size_t number, std::size_t components,
   const std::size_t changed = numberIn(*this, *sparse, "count", 0);
   const std::size_t index_type = numberIn(*this, indices, "componentType", 0);
   const auto read_index = readerOf<std::uint32_t>(index_type);
-  if (read_index == nullptr || changed > count) refuse(what + " has no valid sparse elements");
+  if (read_index == nullptr || changed > count) refuse(what, " has no valid sparse elements");
   const Records places = recordsOf(what, indices, changed, 1, index_type);
   const Records from = recordsOf(what, news, changed, components, type);
   for (std::size_t i = 0; i < changed; ++i) {
     const std::size_t place = read_index(places.first + i * places.stride, false);
     if (place >= count) {
-      refuse(what + " changes its record " + std::to_string(place) + " of " +
-             std::to_string(count) + ": is the file cut off?");
+      refuse(what, " changes its record ", place, " of ", count, ": is the file cut off?");
     }
     for (std::size_t c = 0; c < components; ++c) {
       values[place * components + c] = read(from.first + i * from.stride + c * bytes, normalized);

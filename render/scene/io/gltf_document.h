@@ -16,6 +16,7 @@
 
 #include "base/mapped_file.h"
 #include "base/memory_budget.h"
+#include "base/text.h"
 
 namespace foci {
 
@@ -35,7 +36,10 @@ class GltfDocument {
   const Json& json() const { return json_; }
 
   /// @throws InputError with the name of the file; names the compression if the file has one
-  [[noreturn]] void refuse(const std::string& what) const;
+  template <typename... Parts>
+  [[noreturn]] void refuse(const Parts&... what) const {
+    refuseFor(concat(what...));
+  }
 
   /// An entry of a list of the file, which is an object; null if it is not there.
   const Json* entry(const char* list, std::size_t number) const;
@@ -65,6 +69,8 @@ class GltfDocument {
 
  private:
   struct Records;
+
+  [[noreturn]] void refuseFor(const std::string& what) const;
 
   void parse(Bytes file);
   [[noreturn]] void refuseVersion(const std::string& version) const;

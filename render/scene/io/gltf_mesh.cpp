@@ -2,22 +2,227 @@
 // skins by the joints' nodes (3.7.3.3).
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <deque>
+#include <glm/glm.hpp>
+#include <limits>
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/text.h"
-#include "render/scene/io/gltf_materials.h"
+#include "render/scene/io/gltf_document.h"
 #include "render/scene/io/gltf_scene.h"
+#include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/mesh_formats.h"
 
 namespace foci {
 namespace {
 
 using Json = nlohmann::json;
+
+/// An object inside an object; an empty one if there is none.
+const Json& objectIn(const Json& object, const char* key) {
+  static const Json kEmpty = Json::object();
+  const Json* const part = partOf(object, key);
+  return part != nullptr ? *part : kEmpty;
+}
+
+TextureWrap wrapOf(std::size_t mode) {
+  return mode == 33071   ? TextureWrap::clamp
+         : mode == 33648 ? TextureWrap::mirror
+                         : TextureWrap::repeat;
+}
+
+glm::vec3 unitColor(const glm::dvec3& color) {
+  return glm::vec3(color.x >= 0.0 ? std::min(color.x, 1.0) : 0.0,
+                   color.y >= 0.0 ? std::min(color.y, 1.0) : 0.0,
+                   color.z >= 0.0 ? std::min(color.z, 1.0) : 0.0);
+}
+
+std::string nameOf(const Json& object) {
+  const auto name = object.find("name");
+  return name != object.end() && name->is_string() ? name->get<std::string>() : "";
+}
+
+/// The materials of a glTF (section 3.9), with KHR_texture_transform, EXT_texture_webp,
+/// KHR_texture_basisu, KHR_materials_unlit and KHR_materials_pbrSpecularGlossiness.
+class GltfMaterials {
+ public:
+  /// @param builder  reads the textures; has to stay, as the document
+  GltfMaterials(const GltfDocument& gltf, MeshBuilder& builder);
+
+  /// The number of a primitive's material; that of a plain one if it names none.
+  std::uint32_t numberOf(const nlohmann::json& primitive) const;
+
+  /// How a material places the texture of its colour: the set of texture coordinates, and what is
+  /// done to these, whose v points downwards.
+  struct Placement {
+    std::size_t set = 0;
+    glm::mat3 transform{1.0f};
+    bool glows = false;  ///< the material is black but for the light that it emits
+
+    /// The result's v points upwards.
+    glm::vec2 of(const glm::vec2& uv) const {
+      const glm::vec3 placed = transform * glm::vec3(uv, 1.0f);
+      return {placed.x, 1.0f - placed.y};
+    }
+  };
+  Placement placementOf(std::uint32_t material) const;
+
+  ReadMaterial read(std::uint32_t material);
+
+ private:
+  struct Color;
+
+  Color colorOf(const nlohmann::json& material) const;
+  ImageSource imageOf(const nlohmann::json& texture);
+  void readAlpha(const nlohmann::json& from, float base_alpha, MeshMaterial& material) const;
+
+  const GltfDocument& gltf_;
+  MeshBuilder& builder_;
+  std::uint32_t plain_ = 0;                        // the number after the last
+  std::deque<std::vector<unsigned char>> images_;  // inside URIs; their places stay
+};
+
+/// The colour of a material, and its texture; an empty object if it has none.
+struct GltfMaterials::Color {
+  glm::vec3 factor{1.0f}, emitted{0.0f};
+  float alpha = 1.0f;
+  const Json* texture = nullptr;  // not null
+  bool glows = false;             // black but for the light that it emits
+};
+
+GltfMaterials::GltfMaterials(const GltfDocument& gltf, MeshBuilder& builder)
+    : gltf_(gltf), builder_(builder) {
+  plain_ = static_cast<std::uint32_t>(arrayIn(gltf.json(), "materials").size());
+  const bool basis = std::ranges::any_of(arrayIn(gltf.json(), "textures"), [](const Json& texture) {
+    return extensionOf(texture, "KHR_texture_basisu") != nullptr && !texture.contains("source");
+  });
+  if (!basis) return;
+  builder.remark(
+      "textures in KTX2 (KHR_texture_basisu) are left out: make them PNG or JPEG, e.g. with "
+      "gltf-transform");
+}
+
+std::uint32_t GltfMaterials::numberOf(const Json& primitive) const {
+  const std::size_t number = numberIn(gltf_, primitive, "material", plain_);
+  return number < plain_ ? static_cast<std::uint32_t>(number) : plain_;
+}
+
+GltfMaterials::Color GltfMaterials::colorOf(const Json& material) const {
+  Color color;
+  const Json* const specular = extensionOf(material, "KHR_materials_pbrSpecularGlossiness");
+  const Json& base = specular ? *specular : objectIn(material, "pbrMetallicRoughness");
+  const auto factor =
+      listIn<4>(base, specular ? "diffuseFactor" : "baseColorFactor", {1.0, 1.0, 1.0, 1.0});
+  color.factor = unitColor({factor[0], factor[1], factor[2]});
+  color.alpha = static_cast<float>(factor[3] >= 0.0 ? std::min(factor[3], 1.0) : 0.0);
+  color.texture = &objectIn(base, specular ? "diffuseTexture" : "baseColorTexture");
+  const auto emitted = listIn<3>(material, "emissiveFactor", {0.0, 0.0, 0.0});
+  color.emitted = unitColor({emitted[0], emitted[1], emitted[2]});
+  color.glows = color.factor == glm::vec3(0.0f) && color.emitted != glm::vec3(0.0f);
+  if (color.glows) color.texture = &objectIn(material, "emissiveTexture");
+  return color;
+}
+
+GltfMaterials::Placement GltfMaterials::placementOf(std::uint32_t number) const {
+  const Json* const material = gltf_.entry("materials", number);
+  if (material == nullptr) return {};
+  const Color color = colorOf(*material);
+  const Json& texture = *color.texture;
+  Placement placement{.set = numberIn(gltf_, texture, "texCoord", 0), .glows = color.glows};
+  const Json* const moved = extensionOf(texture, "KHR_texture_transform");
+  if (moved == nullptr) return placement;
+  placement.set = numberIn(gltf_, *moved, "texCoord", placement.set);
+  const auto offset = listIn<2>(*moved, "offset", {0.0, 0.0}),
+             scale = listIn<2>(*moved, "scale", {1.0, 1.0});
+  const auto stated = moved->find("rotation");
+  const double angle_rad =
+      stated != moved->end() && stated->is_number() ? stated->get<double>() : 0.0;
+  // Scales, turns, then moves; in a frame whose v points downwards, (u, v) turns towards (v, -u).
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  placement.transform = glm::dmat3(glm::dvec3(scale[0] * c, -scale[0] * s, 0.0),
+                                   glm::dvec3(scale[1] * s, scale[1] * c, 0.0),
+                                   glm::dvec3(offset[0], offset[1], 1.0));
+  return placement;
+}
+
+ImageSource GltfMaterials::imageOf(const Json& texture) {
+  const Json* const entry = gltf_.entry("textures", texture, "index");
+  if (entry == nullptr) return {};
+  const Json* image = gltf_.entry("images", *entry, "source");
+  if (const Json* const webp = extensionOf(*entry, "EXT_texture_webp"); webp && !image) {
+    image = gltf_.entry("images", *webp, "source");
+  }
+  if (image == nullptr) return {};
+  ImageSource source{nameOf(*image)};
+  if (const auto uri = image->find("uri"); uri != image->end() && uri->is_string()) {
+    const auto name = uri->get<std::string>();
+    if (auto data = GltfDocument::dataOf(name)) {
+      source.bytes = images_.emplace_back(std::move(*data));
+    } else {
+      source.name = name;
+      source.file = namedFile(gltf_.path(), name);
+      if (!source.file) {
+        source.name = percentDecoded(name);
+        source.file = namedFile(gltf_.path(), source.name);
+      }
+    }
+  } else {
+    source.bytes = gltf_.view(numberIn(gltf_, *image, "bufferView", kNoEntry));
+  }
+  if (source.name.empty()) source.name = "image";
+  return source;
+}
+
+ReadMaterial GltfMaterials::read(std::uint32_t number) {
+  const Json* const from = gltf_.entry("materials", number);
+  if (from == nullptr) return {.material = {.factor = kPlainSurface, .alpha = AlphaUse::none}};
+  ReadMaterial read;
+  MeshMaterial& material = read.material;
+  const Color color = colorOf(*from);
+  builder_.noteLight(color.glows, color.emitted);
+  material.factor = color.glows ? color.emitted : color.factor;
+  material.tinted = !color.glows;
+  material.unlit = color.glows || extensionOf(*from, "KHR_materials_unlit") != nullptr;
+  readAlpha(*from, color.glows ? 1.0f : color.alpha, material);
+  const ImageSource source = imageOf(*color.texture);
+  if (!source.name.empty()) {
+    material.texture = builder_.textures().read(source);
+    if (const Json* const texture = gltf_.entry("textures", *color.texture, "index")) {
+      static const Json kPlainSampler = Json::object();
+      const Json* sampler = gltf_.entry("samplers", *texture, "sampler");
+      if (sampler == nullptr) sampler = &kPlainSampler;
+      material.wrap = {wrapOf(numberIn(gltf_, *sampler, "wrapS", 0)),
+                       wrapOf(numberIn(gltf_, *sampler, "wrapT", 0))};
+    }
+  }
+  read.facts.emplace();
+  read.facts->name = nameOf(*from);
+  read.facts->opacity = material.alpha == AlphaUse::blend ? material.opacity : 1.0f;
+  if (!source.name.empty()) read.facts->textures = {factsOf(source)};
+  return read;
+}
+
+/// @param base_alpha  of the material's colour
+void GltfMaterials::readAlpha(const Json& from, float base_alpha, MeshMaterial& material) const {
+  const Json mode = from.value("alphaMode", Json("OPAQUE"));
+  material.alpha = AlphaUse::none;
+  if (mode == "MASK") {  // the cutoff applies to the product with the base colour's alpha
+    const auto stated = from.find("alphaCutoff");
+    if (stated != from.end() && stated->is_number()) material.cutoff = stated->get<float>();
+    if (material.cutoff > 0.0f) material.alpha = AlphaUse::cut;
+    material.cutoff =
+        base_alpha > 0.0f ? material.cutoff / base_alpha : std::numeric_limits<float>::infinity();
+  } else if (mode == "BLEND") {
+    material.alpha = AlphaUse::blend;
+    material.opacity = base_alpha;
+  }
+}
 
 // Exporters need far fewer; 2^26 corners take about 3 GB.
 constexpr double kMaxCorners = 1 << 26;
@@ -84,8 +289,8 @@ class GltfMeshReader {
       all += at->second;
     }
     if (all <= kMaxCorners) return;
-    gltf_.refuse("its scene graph has " + (all < 1e15 ? thousands(all) : "over 1e15") +
-                 " corners of triangles: expected at most " + thousands(kMaxCorners));
+    gltf_.refuse("its scene graph has ", (all < 1e15 ? thousands(all) : "over 1e15"),
+                 " corners of triangles: expected at most ", thousands(kMaxCorners));
   }
 
   double cornersOf(const Json& primitive) const {
@@ -174,7 +379,7 @@ class GltfMeshReader {
   }
 
   [[noreturn]] void refuseShape(const GltfPlace& place, const char* what) const {
-    gltf_.refuse(std::string(what) + " of node " + std::to_string(place.node) +
+    gltf_.refuse(what, " of node ", place.node,
                  " cannot be read: is a buffer's file missing? else export it again");
   }
 
@@ -212,9 +417,8 @@ class GltfMeshReader {
       for (std::size_t i = 0; i < weights.size(); ++i) {
         if (!(weights[i] > 0.0f)) continue;
         if (!(names[i] >= 0.0f && names[i] < static_cast<float>(joints.size()))) {
-          gltf_.refuse("a vertex names joint " + exactText(double{names[i]}) +
-                       " of a skin that has " + std::to_string(joints.size()) +
-                       ": export the file again");
+          gltf_.refuse("a vertex names joint ", exactText(double{names[i]}), " of a skin that has ",
+                       joints.size(), ": export the file again");
         }
         sums[i / 4] += weights[i] * joints[static_cast<std::size_t>(names[i])];
         totals[i / 4] += weights[i];

@@ -1,7 +1,4 @@
-#include "render/scene/io/gltf_points.h"
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -13,11 +10,12 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/scene/gaussian_transform.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/gaussian_formats.h"
 #include "render/scene/io/gltf_scene.h"
+#include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/joined_scene.h"
 
@@ -152,7 +150,7 @@ class GltfPointReader {
         auto values = numbers.floats(coefficientName(degree, order), 3);
         if (values.empty() && order == 0) return all;
         if (values.empty()) {
-          gltf_.refuse("expected the attribute " + coefficientName(degree, order));
+          gltf_.refuse("expected the attribute ", coefficientName(degree, order));
         }
         if (degree > kMaxHarmonicsDegree) {
           remarks_.insert(kDegree4);
@@ -176,7 +174,7 @@ class GltfPointReader {
     const auto attribute = [&](const char* name, std::size_t components) {
       const std::string whole = std::string(kExtension) + ":" + name;
       std::vector<float> values = numbers.floats(whole, components);
-      if (values.empty()) gltf_.refuse("expected the attribute " + whole);
+      if (values.empty()) gltf_.refuse("expected the attribute ", whole);
       return values;
     };
     const auto rotations = attribute("ROTATION", 4), opacities = attribute("OPACITY", 1);
@@ -212,8 +210,8 @@ class GltfPointReader {
   /// Linear colours become display values; what depends on the direction, to first order.
   void toDisplay(GaussianCloud& cloud) {
     remarks_.insert(
-        "its colours are linear: shown as display values, and what depends on the "
-        "direction only nearly so");
+        "its colours are linear: shown as display values, and what depends on the direction only "
+        "nearly so");
     const std::size_t each = cloud.harmonicsPerGaussian();
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {

@@ -82,9 +82,9 @@ class Walk {
              std::size_t depth) {
     const Json* const node = gltf_.entry("nodes", number);
     if (node == nullptr) return;
-    if (open_[number] != 0) gltf_.refuse("node " + std::to_string(number) + " is below itself");
+    if (open_[number] != 0) gltf_.refuse("node ", number, " is below itself");
     if (depth > kMaxNodeDepth) {
-      gltf_.refuse("its nodes nest over " + std::to_string(kMaxNodeDepth) + " deep");
+      gltf_.refuse("its nodes nest over ", kMaxNodeDepth, " deep");
     }
     count(1.0);
     open_[number] = 1;
@@ -109,7 +109,7 @@ class Walk {
   void count(double more) {
     instances_ += more;
     if (instances_ <= kMaxInstances) return;
-    gltf_.refuse("its scene graph has more instances of nodes: expected at most " +
+    gltf_.refuse("its scene graph has more instances of nodes: expected at most ",
                  thousands(kMaxInstances));
   }
 
@@ -200,8 +200,8 @@ GltfPrimitive::GltfPrimitive(const GltfDocument& gltf, const Json& json)
   draco_ = decodeDraco(gltf.view(numberIn(gltf, *packed, "bufferView", kNoEntry)), ids);
   if (!draco_) {
     gltf.refuse(
-        "is compressed with KHR_draco_mesh_compression, and cannot be decoded: save it "
-        "without compression");
+        "is compressed with KHR_draco_mesh_compression, and cannot be decoded: save it without "
+        "compression");
   }
   vertices_ = draco_->vertices;
 }
@@ -241,9 +241,9 @@ std::vector<float> GltfPrimitive::floats(const std::string& attribute,
     values = gltf_.floats(accessor, components, /*as_unit=*/attribute.starts_with("COLOR_"));
   }
   if (values.size() == vertices_ * components) return values;
-  gltf_.refuse("a primitive cannot be read: it has " + thousands(static_cast<double>(vertices_)) +
-               " positions and " + thousands(static_cast<double>(values.size() / components)) +
-               " of " + shown(attribute) + ": export it again");
+  gltf_.refuse("a primitive cannot be read: it has ", thousands(static_cast<double>(vertices_)),
+               " positions and ", thousands(static_cast<double>(values.size() / components)),
+               " of ", shown(attribute), ": export it again");
 }
 
 std::vector<std::uint32_t> GltfPrimitive::indices() const {

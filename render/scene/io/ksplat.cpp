@@ -71,9 +71,9 @@ Section sectionOf(std::span<const unsigned char> bytes, const Mode& mode, const 
                   .bucket_bytes = u16At(bytes, 20),
                   .degree = u16At(bytes, 40)};
   if (const std::uint32_t stated = u32At(bytes, 24); stated != 0) section.quantisation = stated;
-  const auto refuse = [&](const std::string& what) -> InputError { return {file, what}; };
+  const auto refuse = [&](const auto&... what) { return InputError(file, what...); };
   if (section.degree > kMaxHarmonicsDegree) {
-    throw refuse("has harmonics of degree " + std::to_string(section.degree) + ": expected 0 to 3");
+    throw refuse("has harmonics of degree ", section.degree, ": expected 0 to 3");
   }
   if (section.count > section.room) throw refuse("a section is damaged: more Gaussians than room");
   const bool in_buckets = &mode != kModes.data();
@@ -103,8 +103,8 @@ class SectionReader {
     std::uint64_t held = std::uint64_t{section.full} * section.bucket_size;
     for (std::uint32_t i = 0; i < section.partial; ++i) held += u32At(partial_, 4 * i);
     if (held != section.count) {
-      throw InputError(name_, "a section is damaged: " + std::to_string(section.count) +
-                                  " Gaussians, and " + std::to_string(held) + " in its buckets");
+      throw InputError(name_, "a section is damaged: ", section.count, " Gaussians, and ", held,
+                       " in its buckets");
     }
   }
 
@@ -155,9 +155,8 @@ class SectionReader {
       bucket = bucket_;
     }
     if (bucket >= section_.buckets) {
-      throw InputError(name_, "a section is damaged: a Gaussian is in bucket " +
-                                  std::to_string(bucket + 1) + " of " +
-                                  std::to_string(section_.buckets));
+      throw InputError(name_, "a section is damaged: a Gaussian is in bucket ", bucket + 1, " of ",
+                       section_.buckets);
     }
     const std::size_t at = section_.bucket_bytes * bucket;
     return {floatAt(centres_, at), floatAt(centres_, at + 4), floatAt(centres_, at + 8)};
@@ -209,9 +208,9 @@ GaussianFile readKsplatFile(const std::filesystem::path& path) {
   const FileBytes bytes(path);
   const auto header = headerOf(bytes.part(0, kHeader));
   if (!header) {
-    throw InputError(bytes.name(),
-                     "is no .ksplat file: expected version 0.1, compression mode 0 to 2, and a "
-                     "section");
+    throw InputError(
+        bytes.name(),
+        "is no .ksplat file: expected version 0.1, compression mode 0 to 2, and a section");
   }
   std::vector<Section> sections;
   int degree = 0;

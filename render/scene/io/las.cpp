@@ -4,10 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <functional>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -94,7 +92,7 @@ glm::dvec3 vectorAt(std::span<const unsigned char> bytes, std::size_t at) {
 }
 
 LasHeader readLasHeader(const FileBytes& file) {
-  const auto refuse = [&](const std::string& what) -> InputError { return {file.name(), what}; };
+  const auto refuse = [&](const auto&... what) { return InputError(file.name(), what...); };
   if (file.size() < kHeader) throw refuse("is no LAS file: shorter than its header");
   const auto raw = file.all();
   if (textOf(raw).substr(0, 4) != "LASF") {
@@ -102,8 +100,7 @@ LasHeader readLasHeader(const FileBytes& file) {
   }
   const unsigned major = raw[24], minor = raw[25];
   if (major != 1 || minor > 4) {
-    throw refuse("is LAS " + std::to_string(major) + "." + std::to_string(minor) +
-                 ": expected version 1.0 to 1.4");
+    throw refuse("is LAS ", major, ".", minor, ": expected version 1.0 to 1.4");
   }
   LasHeader header;
   header.data_at = u32At(raw, 96);
@@ -115,13 +112,13 @@ LasHeader readLasHeader(const FileBytes& file) {
         "translate scan.laz scan.las, makes a LAS file of it");
   }
   if (format >= std::size(kFormats)) {
-    throw refuse("has point format " + std::to_string(format) + ": expected 0 to 10");
+    throw refuse("has point format ", format, ": expected 0 to 10");
   }
   header.format = kFormats[format];
   header.record_bytes = u16At(raw, 105);
   if (header.record_bytes < header.format.bytes) {
-    throw refuse("has points of " + std::to_string(header.record_bytes) + " bytes: point format " +
-                 std::to_string(format) + " needs " + std::to_string(header.format.bytes));
+    throw refuse("has points of ", header.record_bytes, " bytes: point format ", format, " needs ",
+                 header.format.bytes);
   }
   header.scale = vectorAt(raw, 131);
   header.offset = vectorAt(raw, 155);
@@ -131,7 +128,7 @@ LasHeader readLasHeader(const FileBytes& file) {
   }
   const std::uint64_t fixed = minor == 4 ? kHeader14 : kHeader;
   if (header.data_at < fixed || header.data_at > file.size()) {
-    throw refuse("says that its points begin at byte " + std::to_string(header.data_at) +
+    throw refuse("says that its points begin at byte ", header.data_at,
                  ", which is not behind its header");
   }
   LasRecords records;
@@ -146,8 +143,8 @@ LasHeader readLasHeader(const FileBytes& file) {
   header.coordinates = coordinatesOf(records, (u16At(raw, kEncodingAt) & kWkt) != 0);
   const std::uint64_t room = (file.size() - header.data_at) / header.record_bytes;
   if (header.points > room) {
-    throw refuse("says that it has " + std::to_string(header.points) +
-                 " points: the file has room for at most " + std::to_string(room));
+    throw refuse("says that it has ", header.points, " points: the file has room for at most ",
+                 room);
   }
   return header;
 }

@@ -2,7 +2,6 @@
 // GeoKeys (OGC GeoTIFF 1.1) or from text (OGC WKT, versions 1 and 2). Private to the reader of LAS.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>

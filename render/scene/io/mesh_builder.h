@@ -15,9 +15,9 @@
 #include <tuple>
 #include <vector>
 
-#include "render/scene/io/mesh.h"
-#include "render/scene/io/mesh_textures.h"
+#include "render/scene/io/mesh_files.h"
 #include "render/scene/io/scan_values.h"
+#include "render/scene/io/scene_facts.h"
 
 namespace foci {
 

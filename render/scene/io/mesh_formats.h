@@ -4,11 +4,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <variant>
 
+#include "render/scene/io/gaussian_file.h"
 #include "render/scene/io/gltf_document.h"
-#include "render/scene/io/mesh.h"
 #include "render/scene/io/ply_header.h"
+#include "render/scene/io/scene_facts.h"
 #include "render/scene/point_cloud.h"
 
 namespace foci {
@@ -17,6 +19,19 @@ namespace foci {
 /// materials with metallic roughness, specular glossiness or no light.
 /// @param points_are_kept  the caller shows them: they are not counted as left out
 MeshFile readGltfMesh(const GltfDocument& gltf, bool points_are_kept = false);
+
+/// The points and Gaussians of a glTF: primitives of mode 0 (glTF 2.0, 3.7.2), and
+/// KHR_gaussian_splatting (Khronos, ratified 2026) with its compression by SPZ. In the frame of its
+/// scene, metres.
+struct GltfPoints {
+  std::optional<GaussianFile> gaussians{};
+  std::optional<PointCloud> points{};
+  bool has_triangles = false;
+};
+
+/// Reads the points and Gaussians that the nodes of the scene place; triangles are not read.
+/// @throws InputError if an attribute is missing, or cannot be read
+GltfPoints readGltfPoints(const GltfDocument& gltf);
 
 /// A mesh, or the vertices as points if the file has no faces.
 std::variant<PointCloud, MeshFile> readObj(const std::filesystem::path& path);

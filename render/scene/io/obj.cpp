@@ -7,8 +7,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <map>
-#include <optional>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -16,7 +14,6 @@
 #include "base/mapped_file.h"
 #include "base/text.h"
 #include "base/words.h"
-#include "render/scene/io/named_file.h"
 
 namespace foci {
 namespace {
@@ -83,9 +80,10 @@ class ObjParser {
   /// Names may have blanks, and quotes around them.
   std::string takeName() { return std::string(plainName(takeRest())); }
 
-  [[noreturn]] void refuse(const std::string& what) const {
+  template <typename... Parts>
+  [[noreturn]] void refuse(const Parts&... what) const {
     const auto lines = std::count(text_.data(), line_, '\n');
-    throw InputError(name_ + ":" + std::to_string(1 + lines), what);
+    throw InputError(concat(name_, ":", 1 + lines), what...);
   }
 
   double takeNumber() {
@@ -100,7 +98,7 @@ class ObjParser {
     std::replace(word.begin(), word.end(), ',', '.');  // a decimal comma
     char* last = nullptr;
     value = std::strtod(word.c_str(), &last);  // or a number that is too large or too small
-    if (last != word.c_str() + word.size()) refuse("expected a number, found " + shown(word));
+    if (last != word.c_str() + word.size()) refuse("expected a number, found ", shown(word));
     return value;
   }
 
@@ -176,7 +174,7 @@ class ObjParser {
     std::array<double, 7> v{};
     const std::size_t count = takeNumbers(v);
     if (count != 3 && count != 4 && count != 6 && count != 7) {
-      refuse("a vertex has " + std::to_string(count) +
+      refuse("a vertex has ", count,
              " numbers: expected x y z, x y z w, x y z r g b or x y z w r g b");
     }
     const bool colored = count >= 6, weighted = count == 4 || count == 7;
@@ -197,8 +195,7 @@ class ObjParser {
     at_ = end;
     const std::int64_t from_zero = index > 0 ? index - 1 : static_cast<std::int64_t>(count) + index;
     if (index == 0 || from_zero < 0 || from_zero >= ObjFile::kNone) {
-      refuse("a face names vertex " + std::to_string(index) + ": expected 1 to " +
-             std::to_string(count));
+      refuse("a face names vertex ", index, ": expected 1 to ", count);
     }
     return static_cast<std::uint32_t>(from_zero);
   }
@@ -219,7 +216,7 @@ class ObjParser {
       }
       if (corner.vertex == ObjFile::kNone || !(atEnd() || isBlank(*at_) || *at_ == '\\')) {
         at_ = begin;
-        refuse("found " + shown(takeWord()) + ": expected a corner of a face, such as 1/2/3");
+        refuse("found ", shown(takeWord()), ": expected a corner of a face, such as 1/2/3");
       }
       file_.corners.push_back(corner);
     }
@@ -251,8 +248,7 @@ class ObjParser {
     const bool within = face.size() < 4 || slashes(face.back()) < slashes(face[1]) ||
                         (face.back().ends_with('/') && !face[1].ends_with('/'));
     if (within) {
-      refuse("ends within a face, " + shown(last) +
-             ": the file is cut off; export or copy it again");
+      refuse("ends within a face, ", shown(last), ": the file is cut off; export or copy it again");
     }
     // The last number has fewer digits than all others, or the face fewer corners than the one
     // before.

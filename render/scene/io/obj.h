@@ -1,11 +1,14 @@
-// Wavefront's OBJ as text. Private to the readers of scenes.
+// Wavefront's OBJ as text, and its materials (MTL). Private to the readers of scenes.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "render/scene/io/mesh_files.h"
 
 namespace foci {
 
@@ -46,5 +49,30 @@ std::vector<std::filesystem::path> librariesOf(const std::filesystem::path& obj,
 
 /// What follows each `mtllib`, of a file that is not read otherwise.
 std::vector<std::string> libraryNames(const std::filesystem::path& obj);
+
+/// A texture with its options. Coordinates are multiplied by the scale (-s), then moved (-o).
+struct MtlTexture {
+  ImageSource source{};
+  glm::vec2 scale{1.0f}, offset{0.0f};
+  bool clamped = false;
+};
+
+struct MtlMaterial {
+  std::string name{};
+  std::optional<glm::vec3> diffuse{};                     ///< Kd, sRGB
+  glm::vec3 emitted{0.0f};                                ///< Ke, sRGB
+  std::optional<float> opacity{};                         ///< d
+  std::optional<float> transparency{};                    ///< Tr
+  std::optional<MtlTexture> color{}, emission{}, mask{};  ///< map_Kd, map_Ke, map_d
+};
+
+/// An MTL, with the options -s, -o and -clamp of textures.
+struct MtlFile {
+  std::vector<MtlMaterial> materials{};
+  std::vector<std::filesystem::path> textures{};  ///< all that it names and that are there
+};
+
+/// @param obj  the mesh: textures may lie beside it, too
+MtlFile readMtl(const std::filesystem::path& mtl, const std::filesystem::path& obj);
 
 }  // namespace foci

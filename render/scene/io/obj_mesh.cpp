@@ -1,5 +1,8 @@
 // Meshes in OBJ, with the materials of their MTL files.
 #include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -8,15 +11,122 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/number.h"
 #include "base/text.h"
+#include "base/words.h"
 #include "render/scene/io/mesh_builder.h"
+#include "render/scene/io/mesh_files.h"
 #include "render/scene/io/mesh_formats.h"
-#include "render/scene/io/mtl.h"
 #include "render/scene/io/obj.h"
 #include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
+
+/// The next word of a line; empty at its end. `rest` loses the word and the blanks before it.
+std::string_view nextMtlWord(std::string_view& rest) {
+  rest = trimmed(rest);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
+std::optional<float> nextMtlNumber(std::string_view& rest) {
+  std::string_view after = rest;
+  const auto number = parseNumber(nextMtlWord(after));
+  if (!number) return std::nullopt;
+  rest = after;
+  return static_cast<float>(*number);
+}
+
+glm::vec3 mtlColor(std::string_view rest) {
+  glm::vec3 color(nextMtlNumber(rest).value_or(0.0f));
+  color.y = nextMtlNumber(rest).value_or(color.x);  // one number is grey
+  color.z = nextMtlNumber(rest).value_or(color.x);
+  return color;
+}
+
+class MtlReader {
+ public:
+  MtlReader(const std::filesystem::path& mtl, const std::filesystem::path& obj)
+      : mtl_(mtl), obj_(obj) {}
+
+  MtlFile read() {
+    requireRegularFile(mtl_);
+    std::ifstream in(mtl_, std::ios::binary);
+    std::string text(std::istreambuf_iterator<char>(in), {});
+    std::replace(text.begin(), text.end(), '\r', '\n');
+    std::string_view left = withoutByteOrderMark(text);
+    while (!left.empty()) {
+      const std::size_t end = std::min(left.find('\n'), left.size());
+      takeLine(left.substr(0, end));
+      left.remove_prefix(std::min(end + 1, left.size()));
+    }
+    return std::move(file_);
+  }
+
+ private:
+  void takeLine(std::string_view rest) {
+    const std::string word = lowered(nextMtlWord(rest));
+    if (word == "newmtl") {
+      file_.materials.push_back({.name = std::string(plainName(rest))});
+      return;
+    }
+    MtlMaterial unnamed;
+    MtlMaterial& material = file_.materials.empty() ? unnamed : file_.materials.back();
+    if (word == "kd") {
+      material.diffuse = mtlColor(rest);
+    } else if (word == "ke") {
+      material.emitted = mtlColor(rest);
+    } else if (word == "d") {
+      if (trimmed(rest).starts_with("-halo")) nextMtlWord(rest);
+      material.opacity = nextMtlNumber(rest);
+    } else if (word == "tr") {
+      material.transparency = nextMtlNumber(rest);
+    } else if (word.starts_with("map_") || word == "bump" || word == "norm" || word == "disp") {
+      MtlTexture texture = textureOf(rest);
+      if (texture.source.file) file_.textures.push_back(*texture.source.file);
+      if (word == "map_kd") {
+        material.color = std::move(texture);
+      } else if (word == "map_ke") {
+        material.emission = std::move(texture);
+      } else if (word == "map_d" || word == "map_opacity") {
+        material.mask = std::move(texture);
+      }
+    }
+  }
+
+  /// Options, then a name, which may have blanks.
+  MtlTexture textureOf(std::string_view rest) const {
+    MtlTexture texture;
+    for (rest = trimmed(rest); rest.starts_with('-'); rest = trimmed(rest)) {
+      std::string_view after = rest;
+      const std::string_view option = nextMtlWord(after);
+      if (option.size() < 2 || !std::isalpha(static_cast<unsigned char>(option[1]))) break;
+      rest = after;
+      glm::vec2* const pair = option == "-s"   ? &texture.scale
+                              : option == "-o" ? &texture.offset
+                                               : nullptr;
+      int numbers = 0;
+      for (; numbers < 3; ++numbers) {
+        const auto number = nextMtlNumber(rest);
+        if (!number) break;
+        if (pair != nullptr && numbers < 2) (*pair)[numbers] = *number;
+      }
+      if (numbers == 0) {  // on, off or another word
+        const std::string_view word = nextMtlWord(rest);
+        if (option == "-clamp") texture.clamped = word == "on";
+      }
+    }
+    texture.source.name = plainName(rest);
+    texture.source.file = namedFile(mtl_, rest);
+    if (!texture.source.file) texture.source.file = namedFile(obj_, rest);
+    return texture;
+  }
+
+  std::filesystem::path mtl_, obj_;
+  MtlFile file_;
+};
 
 /// Brings colours to linear light; negative ones stay. @return what the user should know
 std::optional<std::string> linearise(std::vector<glm::vec3>& colors,
@@ -30,9 +140,8 @@ std::optional<std::string> linearise(std::vector<glm::vec3>& colors,
   constexpr float kSlack = 1e-3f, kByte = 255.0f;
   const bool bytes = white > 1.0f + kSlack;
   if (bytes && !(whole && white <= kByte)) {
-    throw InputError(path.string(), "colour " + decimal(double{white}, 3) +
-                                        " of a vertex: expected 0 to 1, or whole numbers of 0 to "
-                                        "255");
+    throw InputError(path.string(), "colour ", decimal(double{white}, 3),
+                     " of a vertex: expected 0 to 1, or whole numbers of 0 to 255");
   }
   for (glm::vec3& color : colors) {
     if (color != glm::vec3(-1.0f)) color = linearColor(color / (bytes ? kByte : 1.0f));
@@ -111,8 +220,8 @@ class ObjMesh {
 
   MeshCorner cornerOf(const ObjFile::Corner& from, const MtlTexture& texture) {
     if (from.vertex >= places_.size()) {
-      throw InputError(path_.string(), "a face names vertex " + std::to_string(from.vertex + 1) +
-                                           ": expected 1 to " + std::to_string(places_.size()));
+      throw InputError(path_.string(), "a face names vertex ", from.vertex + 1, ": expected 1 to ",
+                       places_.size());
     }
     MeshCorner corner{.position = places_[from.vertex]};
     if (from.normal < obj_.normals.size()) corner.normal = obj_.normals[from.normal];
@@ -194,6 +303,10 @@ class ObjMesh {
 };
 
 }  // namespace
+
+MtlFile readMtl(const std::filesystem::path& mtl, const std::filesystem::path& obj) {
+  return MtlReader(mtl, obj).read();
+}
 
 std::variant<PointCloud, MeshFile> readObj(const std::filesystem::path& path) {
   ObjFile obj = parseObj(path);

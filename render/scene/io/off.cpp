@@ -65,8 +65,7 @@ class OffReader {
     words_.clear();
     while (words_.empty()) {
       if (input_.remaining() == 0) {
-        throw InputError(where(),
-                         std::string("ends early: expected ") + wanted + "; the file is cut off");
+        throw InputError(where(), "ends early: expected ", wanted, "; the file is cut off");
       }
       const std::string_view line = input_.line();
       ++line_;
@@ -81,7 +80,7 @@ class OffReader {
     for (const std::string_view word : words_) {
       const auto value = parseNumber(word);
       if (!value) {
-        throw InputError(where(), "found " + shown(word) + ": expected " + wanted);
+        throw InputError(where(), "found ", shown(word), ": expected ", wanted);
       }
       row_.push_back(*value);
     }
@@ -122,7 +121,7 @@ class OffReader {
       counts[i] = parseInteger<std::uint32_t>(words[i]);
     }
     if (!counts[0] || !counts[1] || words.size() > 3) {
-      throw InputError(where(), std::string("expected ") + wanted);
+      throw InputError(where(), "expected ", wanted);
     }
     vertices_ = *counts[0];
     faces_ = *counts[1];
@@ -137,7 +136,7 @@ class OffReader {
     const char* const wanted = "x y z of a vertex";
     nextRow(wanted);
     const std::size_t least = kind_.normal ? 6 : 3;
-    if (row_.size() < least) throw InputError(where(), std::string("expected ") + wanted);
+    if (row_.size() < least) throw InputError(where(), "expected ", wanted);
     const glm::dvec3 p(row_[0], row_[1], row_[2]);
     if (!isNearEnough(p)) throw InputError(where(), "is a vertex farther out than 1e9 units");
     if (position_.empty()) origin_ = originNear(p);
@@ -160,7 +159,7 @@ class OffReader {
     const double corners = row_[0];
     if (!(corners >= 0.0 && corners <= static_cast<double>(row_.size() - 1)) ||
         corners != std::floor(corners)) {
-      throw InputError(where(), std::string("expected ") + wanted);
+      throw InputError(where(), "expected ", wanted);
     }
     const auto count = static_cast<std::size_t>(corners);
     corner_.clear();
@@ -168,8 +167,8 @@ class OffReader {
     for (std::size_t i = 1; i <= count; ++i) {
       if (!(row_[i] >= 0.0 && row_[i] < static_cast<double>(vertices_)) ||
           row_[i] != std::floor(row_[i])) {
-        throw InputError(where(), "names vertex " + exactText(row_[i]) + ": expected 0 to " +
-                                      std::to_string(vertices_ - 1));
+        throw InputError(where(), "names vertex ", exactText(row_[i]), ": expected 0 to ",
+                         vertices_ - 1);
       }
       corner_.push_back(static_cast<std::uint32_t>(row_[i]));
       corner_m_.push_back(position_[corner_.back()]);

@@ -1,12 +1,10 @@
 #include "render/scene/io/open_scene.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "base/input_error.h"
 #include "render/lod/moment_tree.h"
-#include "render/lod/outline.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/joined_scene.h"
@@ -67,14 +65,12 @@ SceneFile readScene(const std::filesystem::path& given, std::uint64_t checked_B)
   if (const auto refusal = refusalOf(start)) throw InputError(path.string(), *refusal);
   const SceneFormat* const format = formatOf(start);
   if (format == nullptr) {
-    throw InputError(
-        path.string(),
-        start.bytes.empty()
-            ? "is empty"
-            : "is no scene that foci reads (docs/scenes.md lists the formats and their "
-              "extensions); points "
-              "as text begin with numbers, or with a line of names that has x, y and "
-              "z");
+    throw InputError(path.string(),
+                     start.bytes.empty()
+                         ? "is empty"
+                         : "is no scene that foci reads (docs/scenes.md lists the formats and "
+                           "their extensions); points as text begin with numbers, or with a line "
+                           "of names that has x, y and z");
   }
   SceneFile file{path, format->read(path, checked_B), format->kind};
   if (auto* const points = std::get_if<PointCloud>(&file.content)) remarkDegrees(*points);
@@ -111,9 +107,9 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
   }
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
     if (scale_m != 1.0 && builtTree(prepared->cloud) && prepared->cloud.size() > kLargeScene) {
-      throw InputError(file.path.string(),
-                       "stays in its file, in metres, because it is large: "
-                       "expected scene.scale_m = 1");
+      throw InputError(
+          file.path.string(),
+          "stays in its file, in metres, because it is large: expected scene.scale_m = 1");
     }
     return {scaled(std::move(prepared->cloud), static_cast<float>(scale_m))};
   }

@@ -46,8 +46,8 @@ struct PcdHeader {
 
 /// Reads up to the line DATA. Counts lines.
 PcdHeader readPcdHeader(ply::Input& input, std::uint64_t& lines) {
-  const auto refusal = [&](const std::string& what) {
-    return InputError(input.name() + ":" + std::to_string(lines), what);
+  const auto refusal = [&](const auto&... what) {
+    return InputError(input.name() + ":" + std::to_string(lines), what...);
   };
   const auto whole = [&](std::string_view word, std::uint64_t most = UINT64_MAX) {
     const auto value = parseInteger<std::uint64_t>(word);
@@ -68,8 +68,7 @@ PcdHeader readPcdHeader(ply::Input& input, std::uint64_t& lines) {
     const bool of_fields = key == "SIZE" || key == "COUNT" || key == "TYPE";
     const bool of_all = key == "WIDTH" || key == "HEIGHT" || key == "POINTS";
     if (of_fields && values.size() != header.fields.size()) {
-      throw refusal("has " + std::to_string(values.size()) + " values for " +
-                    std::to_string(header.fields.size()) + " fields");
+      throw refusal("has ", values.size(), " values for ", header.fields.size(), " fields");
     }
     if (of_all && values.size() != 1) throw refusal("expected a whole number");
     if (key == "FIELDS" || key == "COLUMNS") {
@@ -82,7 +81,7 @@ PcdHeader readPcdHeader(ply::Input& input, std::uint64_t& lines) {
       if (key == "COUNT") field.count = whole(values[i], kMostFields);
       if (key != "TYPE") continue;
       if (values[i] != "F" && values[i] != "U" && values[i] != "I") {
-        throw refusal("type " + shown(values[i]) + ": expected F, U or I");
+        throw refusal("type ", shown(values[i]), ": expected F, U or I");
       }
       field.type = values[i][0];
     }
@@ -130,9 +129,8 @@ ply::Element elementOf(const PcdHeader& header, const std::string& file) {
     if (name.starts_with("normal_")) name = "n" + name.substr(7);
     const bool used = name == "x" || name == "y" || name == "z";
     if (used && (!type || field.count != 1)) {
-      throw InputError(file, "field " + name + " of " + std::to_string(field.count) + " " +
-                                 field.type + " of " + std::to_string(field.size) +
-                                 " bytes: expected one F of 4 or 8 bytes");
+      throw InputError(file, "field ", name, " of ", field.count, " ", field.type, " of ",
+                       field.size, " bytes: expected one F of 4 or 8 bytes");
     }
     if (type && field.count == 1) {
       add(name, *type);
@@ -181,8 +179,7 @@ std::vector<unsigned char> unpackedRecords(ply::Input& input, const PcdHeader& h
   const std::size_t record = header.recordBytes();
   if (bytes != header.points * record || packed_bytes > input.remaining()) {
     throw InputError(input.name(),
-                     "is damaged: its packed points have another length than its "
-                     "header says");
+                     "is damaged: its packed points have another length than its header says");
   }
   MemoryBudget budget(input.name(), packed_bytes);
   budget.take(bytes, 2, "its points");
@@ -251,8 +248,8 @@ PointCloud readPcd(const std::filesystem::path& path) {
   // Packed points have some byte for each 264 of theirs, the most that LZF reaches.
   const std::uint64_t room = (input.remaining() + 1) * (pcd.data == "binary_compressed" ? 264 : 1);
   if (least == 0 || pcd.points > room / least) {
-    throw InputError(input.name(), "says that it has " + std::to_string(pcd.points) +
-                                       " points, more than the file has room for");
+    throw InputError(input.name(), "says that it has ", pcd.points,
+                     " points, more than the file has room for");
   }
   ply::Header header;
   header.format = ply::Format::little;
@@ -269,8 +266,8 @@ PointCloud readPcd(const std::filesystem::path& path) {
                                                           : unpackedRecords(input, pcd));
     read(unpacked);
   } else {
-    throw InputError(input.name() + ":" + std::to_string(lines),
-                     "DATA " + shown(pcd.data) + ": expected ascii, binary or binary_compressed");
+    throw InputError(input.name() + ":" + std::to_string(lines), "DATA ", shown(pcd.data),
+                     ": expected ascii, binary or binary_compressed");
   }
   if (pcd.moved) {
     points.remarks.emplace_back(

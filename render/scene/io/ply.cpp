@@ -1,15 +1,21 @@
 #include "render/scene/io/ply.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdio>
 #include <initializer_list>
+#include <memory>
 #include <optional>
-#include <string>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "base/input_error.h"
 #include "base/text.h"
+#include "render/image/srgb.h"
 #include "render/scene/io/ply_items.h"
 #include "render/scene/io/scan_values.h"
 
@@ -23,7 +29,7 @@ float toFloat(double x) { return static_cast<float>(x); }
 /// The object of a label. Its name is the label.
 std::uint16_t objectOf(SceneObjects& objects, double label, const ply::Items& items) {
   if (!(std::abs(label) <= 1e9) || label != std::floor(label)) {
-    throw InputError(items.where(), "label " + decimal(label, 3) + ": expected an integer");
+    throw InputError(items.where(), "label ", decimal(label, 3), ": expected an integer");
   }
   const std::string name = decimal(label, 0);
   if (objects.names.empty()) objects.names.emplace_back();
@@ -32,8 +38,8 @@ std::uint16_t objectOf(SceneObjects& objects, double label, const ply::Items& it
   const auto found = std::find(objects.names.begin() + 1, objects.names.end(), name);
   if (found == objects.names.end()) {
     if (objects.names.size() > kMaxLabels) {
-      throw InputError(items.where(), "has more than " + std::to_string(kMaxLabels) +
-                                          " labels: is the property one of instances?");
+      throw InputError(items.where(), "has more than ", kMaxLabels,
+                       " labels: is the property one of instances?");
     }
     objects.names.push_back(name);
     return static_cast<std::uint16_t>(objects.names.size() - 1);
@@ -51,10 +57,10 @@ struct Layout {
         normal(items.findAll({"nx", "ny", "nz"})),
         color(ply::colorOf(items)) {
     if (position.empty()) {
-      throw InputError(file, items.find("packed_position")
-                                 ? "is a compressed PLY of Gaussians: splat-transform "
-                                   "makes a plain PLY of it"
-                                 : "element vertex: expected properties x, y and z");
+      throw InputError(
+          file, items.find("packed_position")
+                    ? "is a compressed PLY of Gaussians: splat-transform makes a plain PLY of it"
+                    : "element vertex: expected properties x, y and z");
     }
     const auto first = [&](std::initializer_list<std::string_view> names) {
       std::optional<std::size_t> found;
@@ -72,6 +78,8 @@ bool areBlack(const std::vector<glm::vec3>& colors) {
   return std::all_of(colors.begin(), colors.end(),
                      [](const glm::vec3& color) { return color == glm::vec3(0.0f); });
 }
+
+constexpr std::size_t kWriteBlock = 1 << 20;  // bytes written together
 
 }  // namespace
 
@@ -142,6 +150,49 @@ PointCloud readPly(const std::filesystem::path& path) {
     return points;
   }
   throw InputError(input.name(), "has no element vertex");
+}
+
+void writePly(const std::filesystem::path& path, const PointCloud& points,
+              const PlyProperty& further) {
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "wb"));
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                    std::to_string(points.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (!points.normal.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
+  out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (!points.radius_m.empty()) out += "property float radius\n";
+  if (!points.opacity.empty()) out += "property float opacity\n";
+  if (!further.values.empty()) out += "property float " + further.name + "\n";
+  out += "end_header\n";
+
+  const auto put = [&out](float value) {
+    auto raw = std::bit_cast<std::array<char, 4>>(value);
+    if (std::endian::native == std::endian::big) std::reverse(raw.begin(), raw.end());
+    out.append(raw.data(), raw.size());
+  };
+  const auto put3 = [&put](const glm::vec3& v) { put(v.x), put(v.y), put(v.z); };
+  bool good = file != nullptr;
+  for (std::size_t i = 0; good && i < points.size(); ++i) {
+    put3(points.position_m[i]);
+    if (!points.normal.empty()) put3(points.normal[i]);
+    for (int c = 0; c < 3; ++c) {
+      const float linear = std::clamp(points.color[i][c], 0.0f, 1.0f);
+      out += static_cast<char>(std::lround(255.0f * srgbFromLinear(linear)));
+    }
+    if (!points.radius_m.empty()) put(points.radius_m[i]);
+    if (!points.opacity.empty()) put(points.opacity[i]);
+    if (!further.values.empty()) put(further.values[i]);
+    if (out.size() >= kWriteBlock) {
+      good = std::fwrite(out.data(), 1, out.size(), file.get()) == out.size();
+      out.clear();
+    }
+  }
+  good = good && std::fwrite(out.data(), 1, out.size(), file.get()) == out.size() &&
+         std::fflush(file.get()) == 0;
+  if (!good) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
 }  // namespace foci

@@ -39,16 +39,14 @@ Property propertyOf(const std::vector<std::string_view>& words, const std::strin
   for (std::size_t i = list ? 2 : 1; i + 1 < words.size(); ++i) {
     const auto type = scalarNamed(words[i]);
     if (!type) {
-      throw InputError(where, "property type " + shown(words[i]) +
-                                  ": expected char, uchar, short, ushort, int, uint, float or "
-                                  "double");
+      throw InputError(where, "property type ", shown(words[i]),
+                       ": expected char, uchar, short, ushort, int, uint, float or double");
     }
     (list && i == 2 ? property.count_type : property.type) = *type;
   }
   if (list && isFloat(property.count_type)) {
-    throw InputError(where, "list " + shown(property.name) +
-                                " is counted by a float: expected an "
-                                "integer type");
+    throw InputError(where, "list ", shown(property.name),
+                     " is counted by a float: expected an integer type");
   }
   return property;
 }
@@ -66,13 +64,12 @@ void checkCounts(const Header& header, const Input& input) {
   std::uint64_t left = input.remaining() + (header.format == Format::ascii ? 1 : 0);
   for (const Element& element : header.elements) {
     if (element.properties.empty()) {
-      throw InputError(input.name(), "element " + shown(element.name) + " has no properties");
+      throw InputError(input.name(), "element ", shown(element.name), " has no properties");
     }
     const std::uint64_t size = leastSize(element, header.format);
     if (element.count > left / size) {
-      throw InputError(input.name(),
-                       "element " + shown(element.name) + " has " + std::to_string(element.count) +
-                           " items: the file has room for at most " + std::to_string(left / size));
+      throw InputError(input.name(), "element ", shown(element.name), " has ", element.count,
+                       " items: the file has room for at most ", left / size);
     }
     left -= element.count * size;
   }
@@ -155,10 +152,8 @@ bool mustSwap(Format format) {
 std::uint64_t listLength(Input& input, const Property& property, bool swap) {
   const double items = scalarAt(input.take(sizeOf(property.count_type)), property.count_type, swap);
   if (items < 0.0 || items > static_cast<double>(input.remaining())) {
-    throw InputError(input.name(), "byte " + std::to_string(input.offset()) + ": list " +
-                                       property.name + " has " +
-                                       std::to_string(static_cast<std::int64_t>(items)) +
-                                       " items, more than the file has room for");
+    throw InputError(input.name(), "byte ", input.offset(), ": list ", property.name, " has ",
+                     static_cast<std::int64_t>(items), " items, more than the file has room for");
   }
   return static_cast<std::uint64_t>(items);
 }
@@ -192,7 +187,7 @@ Header readHeader(Input& input) {
   std::string_view magic = trimmed(withoutByteOrderMark(next()));
   while (magic.empty()) magic = trimmed(next());
   if (magic != "ply") {
-    throw InputError(where(), "not a PLY file: expected ply, found " + shown(magic));
+    throw InputError(where(), "not a PLY file: expected ply, found ", shown(magic));
   }
   bool has_format = false;
   for (;;) {
@@ -213,20 +208,20 @@ Header readHeader(Input& input) {
       } else if (words.size() == 3 && words[1] == "binary_big_endian") {
         header.format = Format::big;
       } else {
-        throw InputError(where(), shown(line) +
-                                      ": expected format ascii, binary_little_endian or "
-                                      "binary_big_endian, and 1.0");
+        throw InputError(
+            where(), shown(line),
+            ": expected format ascii, binary_little_endian or binary_big_endian, and 1.0");
       }
     } else if (words[0] == "element") {
       const auto count = words.size() == 3 ? parseInteger<std::uint64_t>(words[2]) : std::nullopt;
       if (!count) {
-        throw InputError(where(), shown(line) + ": expected element, a name and a whole number");
+        throw InputError(where(), shown(line), ": expected element, a name and a whole number");
       }
       header.elements.push_back({std::string(words[1]), *count, {}});
     } else if (words[0] == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(propertyOf(words, where()));
     } else {
-      throw InputError(where(), shown(line) + ": expected format, element, property or comment");
+      throw InputError(where(), shown(line), ": expected format, element, property or comment");
     }
   }
   if (!has_format) throw InputError(input.name(), "the header names no format");

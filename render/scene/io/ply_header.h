@@ -2,7 +2,6 @@
 // scenes, which all read through `Input`.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "base/words.h"
-#include "render/scene/io/named_file.h"
+#include "render/scene/io/mesh_files.h"
 
 namespace foci::ply {
 namespace {
@@ -87,8 +87,8 @@ std::optional<std::size_t> Items::find(std::string_view name, bool list) const {
     const Property& property = element_.properties[i];
     if (property.name != name) continue;
     const std::string what = element_.name + " property " + std::string(name);
-    if (property.list && !list) throw InputError(input_.name(), what + " is a list");
-    if (found) throw InputError(input_.name(), what + " is there twice");
+    if (property.list && !list) throw InputError(input_.name(), what, " is a list");
+    if (found) throw InputError(input_.name(), what, " is there twice");
     found = i;
   }
   return found;
@@ -142,12 +142,11 @@ void Items::readLine() {
   for (line_ = {}, at_ = 0; trimmed(line_).empty();) {
     if (input_.remaining() == 0) {
       if (broken_line_) {
-        throw InputError(input_.name() + ":" + std::to_string(*broken_line_),
-                         "too few values for " + itemName());
+        throw InputError(input_.name() + ":" + std::to_string(*broken_line_), "too few values for ",
+                         itemName());
       }
-      throw InputError(input_.name(), "ends after " + std::to_string(read_ - 1) + " of " +
-                                          std::to_string(element_.count) + " items of element " +
-                                          shown(element_.name));
+      throw InputError(input_.name(), "ends after ", read_ - 1, " of ", element_.count,
+                       " items of element ", shown(element_.name));
     }
     ++header_.lines;
     line_ = input_.line();
@@ -165,7 +164,7 @@ double Items::nextNumber() {
   const std::string_view word = line_.substr(at_, end - at_);
   at_ = end;
   const auto value = numberOf(word);
-  if (!value) throw InputError(where(), "expected a number, found " + shown(word));
+  if (!value) throw InputError(where(), "expected a number, found ", shown(word));
   return *value;
 }
 
@@ -179,16 +178,16 @@ void Items::readText() {
     const double length = row_[i];
     if (!(length >= 0.0 && length <= static_cast<double>(input_.remaining() + line_.size())) ||
         length != std::floor(length)) {
-      throw InputError(where(), "list " + element_.properties[i].name + " has " +
-                                    exactText(length) + " items: is the file cut off?");
+      throw InputError(where(), "list ", element_.properties[i].name, " has ", exactText(length),
+                       " items: is the file cut off?");
     }
     places_[i] = {lists_.size(), static_cast<std::size_t>(length)};
     for (std::size_t k = 0; k < places_[i].length; ++k) lists_.push_back(nextNumber());
   }
   if (line_.find_first_not_of(" \t\r", at_) == std::string_view::npos) return;
-  if (!broken_line_) throw InputError(where(), "too many values for " + itemName());
-  throw InputError(input_.name() + ":" + std::to_string(*broken_line_),
-                   "too few values for " + itemName());
+  if (!broken_line_) throw InputError(where(), "too many values for ", itemName());
+  throw InputError(input_.name() + ":" + std::to_string(*broken_line_), "too few values for ",
+                   itemName());
 }
 
 void Items::readLists() {
@@ -222,10 +221,8 @@ void linearise(std::span<glm::vec3> stored, Scalar type, const std::string& file
     const glm::vec3& c = stored[i];
     for (int channel = 0; channel < 3; ++channel) {
       if (!(c[channel] >= -slack && c[channel] <= most)) {
-        throw InputError(file, what + " " + std::to_string(i + 1) + " has the colour " +
-                                   exactText(double{c[channel]}) +
-                                   ": expected 0 to 1 or 0 to 255, or an integer type of full "
-                                   "range");
+        throw InputError(file, what, " ", i + 1, " has the colour ", exactText(double{c[channel]}),
+                         ": expected 0 to 1 or 0 to 255, or an integer type of full range");
       }
       greatest = std::max(greatest, double{c[channel]});
     }
@@ -234,8 +231,8 @@ void linearise(std::span<glm::vec3> stored, Scalar type, const std::string& file
   double white = full;
   if (floats ? greatest > 1.0 + slack : full > kByte && greatest > 0.0 && greatest <= kByte) {
     if (floats && greatest <= kFloatBytes) {
-      throw InputError(
-          file, what + " colours reach " + exactText(greatest) + ": expected 0 to 1 or 0 to 255");
+      throw InputError(file, what, " colours reach ", exactText(greatest),
+                       ": expected 0 to 1 or 0 to 255");
     }
     white = kByte;
     remarks.emplace_back(floats ? "its colours are floats of 0 to 255"
@@ -275,8 +272,8 @@ std::optional<std::size_t> opacityOf(const Items& items) {
 float unitOpacity(const Items& items, std::size_t property) {
   const double value = items.value(property) / fullRange(items.property(property).type);
   if (!(value >= -kRangeSlack && value <= 1.0 + kRangeSlack)) {
-    throw InputError(items.where(), "opacity " + exactText(value) +
-                                        ": expected 0 to 1, or an integer type of full range");
+    throw InputError(items.where(), "opacity ", exactText(value),
+                     ": expected 0 to 1, or an integer type of full range");
   }
   return static_cast<float>(std::clamp(value, 0.0, 1.0));
 }

@@ -1,20 +1,17 @@
 // Meshes in PLY: faces with the properties that MeshLab (texcoord, texnumber, comments TextureFile)
 // and others write, and the triangle strips of the Stanford scans.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/mesh_builder.h"
+#include "render/scene/io/mesh_files.h"
 #include "render/scene/io/mesh_formats.h"
-#include "render/scene/io/named_file.h"
 #include "render/scene/io/ply_items.h"
 
 namespace foci {
@@ -100,9 +97,8 @@ class PlyMesh {
     if (number >= 0.0 && number < static_cast<double>(vertices_) && number == std::floor(number)) {
       return static_cast<std::uint32_t>(number);
     }
-    throw InputError(items.where(), "a face names vertex " + exactText(number) +
-                                        ": expected 0 to " + std::to_string(vertices_ - 1) +
-                                        "; is the file cut off?");
+    throw InputError(items.where(), "a face names vertex ", exactText(number), ": expected 0 to ",
+                     vertices_ - 1, "; is the file cut off?");
   }
 
   static std::size_t listOfCorners(const ply::Items& items, const std::string& file) {

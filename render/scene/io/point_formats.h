@@ -6,7 +6,7 @@
 #include <string_view>
 #include <variant>
 
-#include "render/scene/io/mesh.h"
+#include "render/scene/io/scene_facts.h"
 #include "render/scene/point_cloud.h"
 
 namespace foci {

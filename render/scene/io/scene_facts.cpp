@@ -6,11 +6,12 @@
 #include <utility>
 #include <variant>
 
-#include "render/lod/outline.h"
+#include "render/lod/moment_tree.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/io/open_scene.h"
 
 namespace foci {
+
 namespace {
 
 bool differ(std::span<const glm::vec3> colors) {

@@ -12,7 +12,6 @@
 #include "base/text.h"
 #include "base/words.h"
 #include "render/scene/io/file_bytes.h"
-#include "render/scene/io/gltf_points.h"
 #include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/io/point_formats.h"
@@ -110,9 +109,9 @@ void remarkLargeMesh(GaussianFile& file) {
   };
   const float times = extentOf(file.mesh->corners_m) / extentOf(file.cloud.position_m);
   if (!(times > kOtherUnit)) return;
-  file.remarks.push_back("the mesh is " + thousands(double{times}) +
-                         " times as large as the Gaussians beside it: is one of them in another "
-                         "unit?");
+  file.remarks.push_back(
+      "the mesh is " + thousands(double{times}) +
+      " times as large as the Gaussians beside it: is one of them in another unit?");
 }
 
 /// Gaussians, with the mesh and the points beside them; else points, or a mesh.
@@ -255,25 +254,22 @@ constexpr std::array kMarks = {
     Mark{0, "\x89hdf", "is an HDF5 file, which foci does not read: save points as PLY or XYZ"},
     Mark{0, "\x93numpy", "is a NumPy array: numpy.savetxt writes points as text"},
     Mark{0, "astm-e57",
-         "is an E57 scan, which foci does not read: CloudCompare, or pdal translate "
-         "IN OUT.ply, makes a PLY of it"},
+         "is an E57 scan, which foci does not read: CloudCompare, or pdal translate IN OUT.ply, "
+         "makes a PLY of it"},
     Mark{0, "pxr-usdc", "is a USD scene, which foci does not read: Blender can export it as glTF"},
     Mark{0, "#usda", "is a USD scene, which foci does not read: Blender can export it as glTF"},
     Mark{0, "blender",
-         "is a Blender scene, which foci does not read: Blender can export it as "
-         "glTF"},
+         "is a Blender scene, which foci does not read: Blender can export it as glTF"},
     Mark{0, "# vtk datafile",
-         "is a VTK file, which foci does not read: ParaView can export it as "
-         "PLY"},
+         "is a VTK file, which foci does not read: ParaView can export it as PLY"},
     Mark{0, "#vrml", "is a VRML scene, which foci does not read: Blender can export it as glTF"},
     Mark{0, "<?xml",
-         "is an XML file, which foci does not read: if it is a scene, Blender may "
-         "export it as glTF"},
+         "is an XML file, which foci does not read: if it is a scene, Blender may export it as "
+         "glTF"},
     Mark{0, "# image list with two lines", kColmapList},
     Mark{0, "# camera list with one line", kColmapList},
     Mark{0, "visionre",
-         "is a VRS recording: give foci the points beside it "
-         "(semidense_points.csv.gz)"},
+         "is a VRS recording: give foci the points beside it (semidense_points.csv.gz)"},
     Mark{0,
          "\x7f"
          "elf",
@@ -329,8 +325,7 @@ std::optional<std::string> wordsOfContent(const FileStart& start) {
   }
   if (isGrid(start)) {
     return "is an ESRI ASCII grid, a map of heights: gdal_translate -of XYZ IN OUT.xyz makes "
-           "points "
-           "of it";
+           "points of it";
   }
   for (const Mark& mark : kMarks) {
     if (text.size() < mark.at || !text.substr(mark.at).starts_with(mark.bytes)) continue;

@@ -12,7 +12,6 @@
 
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/gaussian_formats.h"
-#include "render/scene/io/mesh.h"
 #include "render/scene/io/scene_facts.h"
 #include "render/scene/point_cloud.h"
 

@@ -24,8 +24,8 @@
 #include "base/input_error.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/compression.h"
+#include "render/scene/io/file_bytes.h"
 #include "render/scene/io/gaussian_file.h"
-#include "render/scene/io/zip_archive.h"
 
 namespace foci::sog {
 
@@ -78,7 +78,7 @@ class Source {
     if (zip_) return zip_->read(member, max_bytes);
     const std::filesystem::path path(member);
     if (path.is_absolute() || std::ranges::find(path, "..") != path.end()) {
-      throw InputError(file_.name(), "names the file " + member + ": expected one in its folder");
+      throw InputError(file_.name(), "names the file ", member, ": expected one in its folder");
     }
     const FileBytes packed(folder_ / path);
     return {packed.all().begin(), packed.all().end()};
@@ -106,15 +106,14 @@ class Reader {
       : source_(source), folder_(std::move(folder)), meta_(Json::parse(meta.begin(), meta.end())) {
     const std::int64_t version = has("version") ? integer("version") : 1;
     if (version != 1 && version != 2) {
-      throw InputError(
-          name(), "is SOG of version " + std::to_string(version) + ": expected version 1 or 2");
+      throw InputError(name(), "is SOG of version ", version, ": expected version 1 or 2");
     }
     has_codebooks_ = version == 2;
     const std::int64_t count = integer(has_codebooks_ ? "count" : "means/shape/0");
     const std::vector<unsigned char> packed = packedImage("means", 0);
     if (count < 1 || static_cast<std::uint64_t>(count) > kMaxPixelsPerByte * packed.size()) {
-      throw InputError(name(), "has " + std::to_string(count) + " Gaussians in images of " +
-                                   std::to_string(packed.size()) + " bytes: damaged");
+      throw InputError(name(), "has ", count, " Gaussians in images of ", packed.size(),
+                       " bytes: damaged");
     }
     count_ = static_cast<std::size_t>(count);
   }
@@ -141,8 +140,8 @@ class Reader {
     std::vector<float> harmonics(file.cloud.harmonicsPerGaussian());
     for (const Range& range : ranges) {
       if (range.offset > count_ || range.count > count_ - range.offset) {
-        throw InputError(name(), folder_ + kMeta + ": has " + std::to_string(count_) +
-                                     " Gaussians, fewer than " + kStreamMeta + " names");
+        throw InputError(name(), folder_, kMeta, ": has ", count_, " Gaussians, fewer than ",
+                         kStreamMeta, " names");
       }
       for (std::size_t i = range.offset; i < range.offset + range.count; ++i) {
         RawGaussian raw{.rotation = rotationOf(i), .opacity = colors[3][color_.at(i, 3)]};
@@ -213,7 +212,7 @@ class Reader {
     if (!value.is_string()) throw unexpected(path, "the name of an image");
     std::string file = value.get<std::string>();
     if (std::filesystem::path(file).filename() != file) {
-      throw InputError(name(), "names the image " + file + ": expected one in its folder");
+      throw InputError(name(), "names the image ", file, ": expected one in its folder");
     }
     return file;
   }
@@ -278,8 +277,7 @@ class Reader {
 
   int degreeNamed(std::int64_t degree) const {
     if (degree < 1 || degree > kMaxHarmonicsDegree + 1) {
-      throw InputError(name(),
-                       "has harmonics of degree " + std::to_string(degree) + ": expected 1 to 4");
+      throw InputError(name(), "has harmonics of degree ", degree, ": expected 1 to 4");
     }
     return static_cast<int>(degree);
   }
@@ -288,8 +286,8 @@ class Reader {
     for (int degree = 1; degree <= kMaxHarmonicsDegree; ++degree) {
       if (palette.width == static_cast<int>(kPaletteColumns) * harmonicsOf(degree)) return degree;
     }
-    throw InputError(name(), "has a palette of harmonics " + std::to_string(palette.width) +
-                                 " pixels wide: expected 192, 512 or 960, for degree 1 to 3");
+    throw InputError(name(), "has a palette of harmonics ", palette.width,
+                     " pixels wide: expected 192, 512 or 960, for degree 1 to 3");
   }
 
   std::vector<unsigned char> packedImage(const char* property, std::size_t which) const {
@@ -304,14 +302,14 @@ class Reader {
       throw InputError(name(), "holds WebP images: foci was built without WebP");
     }
     const auto size = statedImageSize(packed);
-    if (!size) throw InputError(name(), file + ": expected a WebP image");
+    if (!size) throw InputError(name(), file, ": expected a WebP image");
     const std::uint64_t pixels = size->columns * size->rows;
     if (pixels < least || pixels > kMaxPalette + 2 * std::uint64_t{count_} + (1u << 16u)) {
-      throw InputError(name(), file + " has " + std::to_string(pixels) + " pixels for " +
-                                   std::to_string(count_) + " Gaussians: damaged");
+      throw InputError(name(), file, " has ", pixels, " pixels for ", count_,
+                       " Gaussians: damaged");
     }
     auto image = decodeImage(packed, pixels);
-    if (!image) throw InputError(name(), file + ": a damaged WebP image");
+    if (!image) throw InputError(name(), file, ": a damaged WebP image");
     return {image->columns, image->rows, std::move(image->rgba)};
   }
 
@@ -319,8 +317,8 @@ class Reader {
   glm::vec4 rotationOf(std::size_t i) const {
     const unsigned left_out = rotation_.at(i, 3) - kFirstMode;
     if (left_out > 3) {
-      throw InputError(name(), "has a rotation of mode " + std::to_string(rotation_.at(i, 3)) +
-                                   ": expected 252 to 255");
+      throw InputError(name(), "has a rotation of mode ", rotation_.at(i, 3),
+                       ": expected 252 to 255");
     }
     std::array<float, 3> three{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -339,8 +337,7 @@ class Reader {
     const std::size_t row = label / kPaletteColumns, column = label % kPaletteColumns * each;
     const auto width = static_cast<std::size_t>(palette_.width);
     if (column + each > width || row >= static_cast<std::size_t>(palette_.height)) {
-      throw InputError(name(), "has harmonics " + std::to_string(label) +
-                                   ", which are not in its palette: damaged");
+      throw InputError(name(), "has harmonics ", label, ", which are not in its palette: damaged");
     }
     for (std::size_t k = 0; k < std::min(each, harmonics.size() / 3); ++k) {
       for (std::size_t channel = 0; channel < 3; ++channel) {

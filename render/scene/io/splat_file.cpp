@@ -2,8 +2,6 @@
 // deviations (3 floats), red, green, blue and opacity (bytes), and a quaternion w x y z (bytes,
 // 128 + 128 q).
 #include <algorithm>
-#include <cmath>
-#include <string>
 
 #include "base/input_error.h"
 #include "render/scene/io/gaussian_formats.h"
@@ -74,13 +72,13 @@ GaussianFile readSplatFile(const std::filesystem::path& path) {
   }
   const bool is_text = std::all_of(bytes.all().begin(), bytes.all().end(), isText);
   if (2 * sound <= looked_at || is_text) {  // of a damaged file, most records are sound
-    throw InputError(bytes.name(),
-                     "is no .splat file: expected records of 32 bytes, each with a rotation of "
-                     "length 1");
+    throw InputError(
+        bytes.name(),
+        "is no .splat file: expected records of 32 bytes, each with a rotation of length 1");
   }
   if (bytes.size() % kRecord != 0) {
-    throw InputError(bytes.name(), "is cut off: " + std::to_string(bytes.size()) +
-                                       " bytes: expected a multiple of 32");
+    throw InputError(bytes.name(), "is cut off: ", bytes.size(),
+                     " bytes: expected a multiple of 32");
   }
   GaussianFile file{.format = "splat"};
   GaussianCollector collector(file, bytes.size() / kRecord, 0);

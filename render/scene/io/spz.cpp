@@ -6,12 +6,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <string>
 
 #include "base/input_error.h"
-#include "render/scene/gaussian_transform.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/compression.h"
 #include "render/scene/io/gaussian_formats.h"
@@ -60,25 +59,22 @@ SpzHeader headerOf(std::span<const unsigned char> bytes, const std::string& file
   if (u32At(bytes, 0) != kMagic) throw InputError(file, "is no SPZ file: expected NGSP");
   SpzHeader header{.version = u32At(bytes, 4), .count = u32At(bytes, 8)};
   if (header.version < 1 || header.version > 4) {
-    throw InputError(
-        file, "is SPZ of version " + std::to_string(header.version) + ": expected version 1 to 4");
+    throw InputError(file, "is SPZ of version ", header.version, ": expected version 1 to 4");
   }
   header.degree = bytes[12];
   header.fraction_bits = bytes[13];
   header.flags = bytes[14];
   header.arrays = bytes[15];
   if (header.degree > kMaxDegree) {
-    throw InputError(
-        file, "has harmonics of degree " + std::to_string(header.degree) + ": expected 0 to 4");
+    throw InputError(file, "has harmonics of degree ", header.degree, ": expected 0 to 4");
   }
   if (header.fraction_bits > 23) {
-    throw InputError(file, "has positions with " + std::to_string(header.fraction_bits) +
-                               " bits after the point: expected 0 to 23");
+    throw InputError(file, "has positions with ", header.fraction_bits,
+                     " bits after the point: expected 0 to 23");
   }
   // Less than a byte for a Gaussian is no capture, but a bomb of zeros.
   if (header.count > file_bytes) {
-    throw InputError(file, "has " + std::to_string(header.count) + " Gaussians in " +
-                               std::to_string(file_bytes) + " bytes: damaged");
+    throw InputError(file, "has ", header.count, " Gaussians in ", file_bytes, " bytes: damaged");
   }
   return header;
 }
@@ -121,8 +117,7 @@ SpzArrays unpackNew(const FileBytes& file) {
     throw InputError(file.name(), "is SPZ of version 4: foci was built without Zstandard");
   }
   if (all.header.arrays != expected) {
-    throw InputError(file.name(), "has " + std::to_string(all.header.arrays) +
-                                      " arrays: expected " + std::to_string(expected));
+    throw InputError(file.name(), "has ", all.header.arrays, " arrays: expected ", expected);
   }
   const std::uint64_t table_at = u32At(file.all(), 16);
   const auto table = file.part(table_at, expected * kTableEntry);
@@ -136,16 +131,14 @@ SpzArrays unpackNew(const FileBytes& file) {
     const std::uint64_t packed = u64At(table, i * kTableEntry);
     const std::uint64_t plain = u64At(table, i * kTableEntry + 8);
     if (plain != sizes[i]) {
-      throw InputError(file.name(), "array " + std::to_string(i + 1) + " has " +
-                                        std::to_string(plain) + " bytes: expected " +
-                                        std::to_string(sizes[i]));
+      throw InputError(file.name(), "array ", i + 1, " has ", plain, " bytes: expected ", sizes[i]);
     }
     const auto part = file.part(at, packed);
     at += packed;
     all.array[i].resize(plain);
     if (!decodeZstd(part, all.array[i])) {
-      throw InputError(file.name(), "array " + std::to_string(i + 1) +
-                                        " is damaged: no Zstandard stream of its length");
+      throw InputError(file.name(), "array ", i + 1,
+                       " is damaged: no Zstandard stream of its length");
     }
   }
   return all;

@@ -59,10 +59,10 @@ class StlMesh {
 
   void readBinary(std::uint64_t triangles, std::uint64_t stated) {
     if (text_.size() < stated) {
-      throw InputError(path_.string(),
-                       "is cut off: states " + thousands(static_cast<double>(triangles)) +
-                           " triangles in " + thousands(static_cast<double>(stated)) +
-                           " bytes, and has " + thousands(static_cast<double>(text_.size())));
+      throw InputError(path_.string(), "is cut off: states ",
+                       thousands(static_cast<double>(triangles)), " triangles in ",
+                       thousands(static_cast<double>(stated)), " bytes, and has ",
+                       thousands(static_cast<double>(text_.size())));
     }
     if (text_.size() > stated) {
       builder_.remark("the last " + thousands(static_cast<double>(text_.size() - stated)) +
@@ -131,7 +131,7 @@ class StlMesh {
               std::to_string(1 + std::count(text_.begin(),
                                             text_.begin() + static_cast<std::ptrdiff_t>(at_),
                                             '\n')),
-          "expected a number, found " + shown(word));
+          "expected a number, found ", shown(word));
     }
     return static_cast<float>(*number);
   }

@@ -221,8 +221,7 @@ class TextPointsReader {
       takeLine(trimmed(line_ == 1 ? withoutByteOrderMark(line) : line));
     }
     if (counted_ && rows_ < *counted_) {
-      throw InputError(where(), "ends after " + std::to_string(rows_) + " of " +
-                                    std::to_string(*counted_) + " points");
+      throw InputError(where(), "ends after ", rows_, " of ", *counted_, " points");
     }
     if (points_.size() == 0 && uncertain_ > 0) {
       throw InputError(input_.name(), "none of its points is certain enough");
@@ -242,7 +241,7 @@ class TextPointsReader {
     splitInto(words_, line);
     if (words_.empty()) return;
     if (words_.size() > kMaxColumns && !(columns_ && columns_->more)) {
-      throw InputError(where(), "has more than " + std::to_string(kMaxColumns) + " columns");
+      throw InputError(where(), "has more than ", kMaxColumns, " columns");
     }
     const bool names = !columns_ && !numberOf(words_[0]);
     if (names) name(columnsNamed(line));
@@ -256,19 +255,17 @@ class TextPointsReader {
       if (const auto count = parseInteger<std::uint32_t>(words_[0])) {
         if (counted_ && rows_ == 0) {
           throw InputError(input_.name(),
-                           "begins with two numbers, as PTX, which foci does not "
-                           "read: CloudCompare, or pdal translate IN OUT.ply, makes "
-                           "a PLY of it");
+                           "begins with two numbers, as PTX, which foci does not read: "
+                           "CloudCompare, or pdal translate IN OUT.ply, makes a PLY of it");
         }
         counted_ = counted_.value_or(0) + *count;
         return;
       }
     }
     if (const std::string_view word = decimalComma(line); !word.empty()) {
-      throw InputError(where(),
-                       shown(word) +
-                           " is a number with a decimal comma, or two columns: write "
-                           "decimal points (sed 's/,/./g'), or separate all columns alike");
+      throw InputError(where(), shown(word),
+                       " is a number with a decimal comma, or two columns: write decimal points "
+                       "(sed 's/,/./g'), or separate all columns alike");
     }
     takeRow();
   }
@@ -279,7 +276,7 @@ class TextPointsReader {
       if (columns_ && columns_->more && row_.size() == columns_->count) break;
       // Text, such as the name of a recording, may stand in a column that is not used.
       const auto value = isUsed(row_.size()) ? numberOf(word) : 0.0;
-      if (!value) throw InputError(where(), "expected a number, found " + shown(word));
+      if (!value) throw InputError(where(), "expected a number, found ", shown(word));
       row_.push_back(*value);
     }
     if (!columns_) {
@@ -296,8 +293,8 @@ class TextPointsReader {
       }
     }
     if (row_.size() != columns_->count) {
-      throw InputError(where(), "has " + std::to_string(row_.size()) + " numbers: expected " +
-                                    std::to_string(columns_->count) + ", as in the lines before");
+      throw InputError(where(), "has ", row_.size(), " numbers: expected ", columns_->count,
+                       ", as in the lines before");
     }
     ++rows_;
     if (isUncertain()) {
@@ -390,8 +387,8 @@ class TextPointsReader {
   void takeColors(Triples& triple) {
     if (triple.negative || triple.max > 65535.0f) {
       throw InputError(input_.name(),
-                       "has numbers after its positions that are neither colours (0 to 1, 0 to "
-                       "255 or 0 to 65535) nor normals (of length 1)");
+                       "has numbers after its positions that are neither colours (0 to 1, 0 to 255 "
+                       "or 0 to 65535) nor normals (of length 1)");
     }
     const float white = triple.max <= 1.0f ? 1.0f : triple.max <= 255.0f ? 255.0f : 65535.0f;
     for (glm::vec3& c : triple.values) c = linearColor(c / white);

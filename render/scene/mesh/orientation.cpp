@@ -12,8 +12,8 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
-#include "render/scene/closed_bodies.h"
 #include "render/scene/mesh/triangle_mesh.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
 namespace {

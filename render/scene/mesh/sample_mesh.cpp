@@ -4,13 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <string>
 #include <vector>
 
 #include "base/input_error.h"
 #include "base/parallel.h"
-#include "render/scene/closed_bodies.h"
-#include "render/scene/mesh/texture.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
 namespace {
@@ -256,11 +254,9 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
   const double least_m =
       double{largestCoordinate(mesh)} * double{std::numeric_limits<float>::epsilon()};
   if (spacing_m < least_m) {
-    throw InputError(name.string(),
-                     "is so far from the origin, or has so little area for its extent, that " +
-                         std::to_string(wanted) +
-                         " points would fall on each other: move it to the origin, e.g. with "
-                         "CloudCompare");
+    throw InputError(
+        name.string(), "is so far from the origin, or has so little area for its extent, that ",
+        wanted, " points would fall on each other: move it to the origin, e.g. with CloudCompare");
   }
   // A wanted number counts finer parts.
   const auto even = static_cast<double>(wanted);

@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "base/random_bits.h"
 
 namespace foci {
 namespace {
@@ -36,14 +37,6 @@ std::vector<double> summedAreas(const std::vector<glm::vec3>& corners_m) {
   double sum = 0.0;
   for (double& upto : sums) upto = sum += upto;
   return sums;
-}
-
-/// Random bits of a counter: SplitMix64 (Steele et al. 2014).
-std::uint64_t randomBits(std::uint64_t counter) {
-  std::uint64_t bits = counter * 0x9e3779b97f4a7c15;
-  bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9;
-  bits = (bits ^ bits >> 27) * 0x94d049bb133111eb;
-  return bits ^ bits >> 31;
 }
 
 /// Every second bit, the lowest one first.
@@ -170,7 +163,7 @@ class Thrower {
         Met met = {kNone, kNone};
         for (std::size_t round = from; round < to; ++round) {
           const std::uint64_t number = 2 * (std::uint64_t{round} * count + k);
-          const double at_m2 = upTo_m2(k, static_cast<double>(randomBits(number) >> 11) * 0x1p-53);
+          const double at_m2 = upTo_m2(k, static_cast<double>(randomBits(number - 1) >> 11) * 0x1p-53);
           auto triangle = low;
           while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
           if (triangle == sums_m2_.end()) continue;  // by rounding
@@ -179,7 +172,7 @@ class Thrower {
           Dart dart = dartAt(corners, at_m2);
           if (meets(dart, accepted, met)) continue;
           dart.round = static_cast<std::uint32_t>(round);
-          dart.priority = randomBits(number + 1);
+          dart.priority = randomBits(number);
           blocks[b].push_back(dart);
         }
       }

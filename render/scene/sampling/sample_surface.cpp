@@ -1,7 +1,6 @@
 #include "render/scene/sampling/sample_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 

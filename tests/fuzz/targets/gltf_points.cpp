@@ -1,5 +1,5 @@
 // Points and Gaussians of glTF, as text or binary.
-#include "render/scene/io/gltf_points.h"
+#include "render/scene/io/mesh_formats.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -18,7 +18,7 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
-#include "render/image/visible_difference.h"
+#include "render/image/metrics.h"
 #include "render/methods/method.h"
 #include "tests/temporary_folder.h"
 

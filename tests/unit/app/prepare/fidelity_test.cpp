@@ -19,7 +19,6 @@
 #include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
 #ifdef FOCI_RAYTRACE
-#include "render/literature/raytrace/mesh_rays.h"
 #include "render/literature/raytrace/triangle_view.h"
 #endif
 #include "tests/cube_mesh.h"

@@ -12,7 +12,7 @@
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
 #include "base/quantile.h"
-#include "render/image/visible_difference.h"
+#include "render/image/metrics.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "render/image/metrics.h"
-#include "render/image/visible_difference.h"
 #include "render/methods/method.h"
 #include "render/scene/io/gaussian_formats.h"
 #include "tests/unit/render/captured_scenes.h"

@@ -11,6 +11,7 @@
 #include "render/image/srgb.h"
 #include "render/methods/method.h"
 #include "render/scene/gaussian_merge.h"
+#include "render/scene/tree_order.h"
 #include "tests/unit/render/gaussian_scenes.h"
 #include "tests/unit/render/method_scenes.h"
 
@@ -46,7 +47,7 @@ std::vector<int> timesInCut(const GaussianCloud& cloud, const GaussianCut& cut) 
   for (const std::uint32_t node : cut.nodes) {
     int level = 0;
     while (node >> (level + 1) != 0) ++level;
-    const auto [begin, end] = gaussiansBelow(cloud.size(), level, node - (std::size_t{1} << level));
+    const auto [begin, end] = rangeBelow(cloud.size(), level, node - (std::size_t{1} << level));
     for (std::size_t i = begin; i < end; ++i) ++times[i];
   }
   return times;
@@ -81,7 +82,7 @@ TEST(GaussianCut, NodesHoldTheirGaussians) {
   for (std::size_t node = 1; node < tree.radius_m.size(); ++node) {
     int level = 0;
     while (node >> (level + 1) != 0) ++level;
-    const auto [begin, end] = gaussiansBelow(cloud.size(), level, node - (std::size_t{1} << level));
+    const auto [begin, end] = rangeBelow(cloud.size(), level, node - (std::size_t{1} << level));
     for (std::size_t i = begin; i < end; ++i) {
       const Covariance3& v = cloud.covariance_m2[i];
       const float reach = 3.0f * std::sqrt(std::max({v.xx, v.yy, v.zz}));
@@ -196,5 +197,5 @@ TEST(GaussianCut, TheUsualMethodsRenderFewerWhereBlurred) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -12,7 +12,6 @@
 
 #include "render/gaussians/gaussian_view.h"
 #include "render/image/metrics.h"
-#include "render/image/visible_difference.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/method.h"
 #include "tests/unit/render/gaussian_scenes.h"

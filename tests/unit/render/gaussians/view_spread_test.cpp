@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "render/image/metrics.h"
 #include "render/image/srgb.h"
-#include "render/image/visible_difference.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/lens_samples.h"
 

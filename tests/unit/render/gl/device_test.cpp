@@ -50,8 +50,9 @@ TEST(GpuDevice, OneLineSaysThatItsMemoryIsFullAndTheDeviceGoesOn) {
   FOCI_NEEDS_GPU(device);
   const GpuDevice::Use use(*device);
   GpuBuffer buffer;
-  const std::string message =
-      messageOf([&] { buffer.reserveWindowed(*device, std::size_t{1} << 44, "the surfels"); });
+  const std::string message = messageOf([&] {
+    buffer.reserve(*device, std::size_t{1} << 44, "the surfels", GpuBuffer::Kind::windowed);
+  });
   EXPECT_NE(message.find("the surfels need 16777216 MiB"), std::string::npos) << message;
   EXPECT_NE(message.find("no such room left"), std::string::npos) << message;
   buffer.reserve(*device, sizeof(unsigned), "a number");
@@ -92,5 +93,5 @@ TEST(GpuDevice, AnyThreadMayUseItOneAtATime) {
   for (std::thread& thread : threads) thread.join();
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,5 +1,5 @@
 // Jobs of tiles for the GPU, without a GPU.
-#include "render/gl/gaussian_jobs.h"
+#include "render/gl/gaussian_layers.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "app/evaluation/chart/plan.h"
-#include "render/gl/gaussian_scene.h"
+#include "render/gl/gaussians.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/lens_gaussians.h"
 #include "render/scene/gaussian_tree.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "render/kernel/limits.h"
+#include "render/kernel/kernel.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -1,11 +1,9 @@
-#include "render/lod/outline.h"
+#include "render/lod/moment_tree.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "render/lod/moment_tree.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -8,9 +8,8 @@
 #include "app/evaluation/chart/plan.h"
 #include "base/quantile.h"
 #include "render/image/metrics.h"
-#include "render/image/visible_difference.h"
 #include "render/methods/method.h"
-#include "render/optics/refraction.h"
+#include "render/optics/colours.h"
 #include "tests/unit/render/gaussian_scenes.h"
 #include "tests/unit/render/method_scenes.h"
 

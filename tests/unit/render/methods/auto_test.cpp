@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/quantile.h"
-#include "render/image/visible_difference.h"
+#include "render/image/metrics.h"
 #include "render/methods/method.h"
 #include "render/methods/quality_level.h"
 #include "render/scene/builtin/procedural.h"

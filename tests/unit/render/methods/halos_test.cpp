@@ -1,12 +1,10 @@
 // The halos of diffraction keep the light, and an even field even.
-#include "render/methods/halos.h"
+#include "render/methods/mean_of_parts.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "render/methods/mean_of_parts.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/quantile.h"
-#include "render/image/visible_difference.h"
+#include "render/image/metrics.h"
 #include "render/scene/builtin/procedural.h"
 #include "tests/unit/render/surfel_scenes.h"
 

@@ -1,4 +1,4 @@
-#include "render/methods/time_budget.h"
+#include "render/methods/quality_level.h"
 
 #include <gtest/gtest.h>
 

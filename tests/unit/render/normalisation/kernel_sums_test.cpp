@@ -11,7 +11,7 @@
 #include <numeric>
 #include <random>
 
-#include "render/lod/level_kernels.h"
+#include "render/lod/cut.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/estimation/estimate.h"

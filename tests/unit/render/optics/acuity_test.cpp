@@ -7,7 +7,6 @@
 
 #include "base/quantile.h"
 #include "render/image/metrics.h"
-#include "render/image/visible_difference.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/quality_level_table.h"
 #include "render/scene/builtin/procedural.h"

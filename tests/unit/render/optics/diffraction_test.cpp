@@ -1,12 +1,10 @@
 // Diffraction as Gaussians, against the Airy pattern itself.
-#include "render/optics/diffraction.h"
+#include "render/optics/pupil.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
-
-#include "render/optics/pupil.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -1,6 +1,6 @@
 // Tests the observer's refraction against the textbook, and astigmatic rendering against closed
 // forms: ellipses of confusion are lines at the ends of Sturm's interval, and a circle halfway.
-#include "render/optics/refraction.h"
+#include "render/optics/colours.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "render/image/metrics.h"
-#include "render/optics/colours.h"
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
@@ -245,7 +244,7 @@ TEST(Astigmatism, IsOfPostFiltersTheCircleOfTheSameVariance) {
   addSheet(cloud, 1.0f, 0.2f, 200, glm::vec3(0.1f), 0.1f);
   const View view = squareView(64, kPointFocal_px);
   for (const char* method : {"potmesil", "rokita", "matthews", "shinya", "layered"}) {
-    EXPECT_FALSE(rendersEllipses(method));
+    EXPECT_FALSE(methodInfo(method).ellipses);
     const Frame ellipse = render(method, cloud, view, oblique);
     const Frame circle = render(method, cloud, view, lens(kRadius_px_per_D, 0.0f));
     EXPECT_GT(psnr_dB(ellipse, circle), 60.0) << method;
@@ -315,5 +314,5 @@ TEST(Chromatic, NarrowSpectraAreLightOfOneWavelength) {
   EXPECT_LE(colours.size(), 6u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/optics/typical_eye.h"
-
 namespace foci {
 namespace FOCI_FILE {
 

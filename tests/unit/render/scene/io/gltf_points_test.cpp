@@ -1,5 +1,5 @@
 // Points and Gaussians of glTF against the values of the specification.
-#include "render/scene/io/gltf_points.h"
+#include "render/scene/io/mesh_formats.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "render/scene/io/mesh_companions.h"
+#include "render/scene/io/mesh_files.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "base/input_error.h"
 #include "render/image/srgb.h"
-#include "render/scene/io/mesh_companions.h"
+#include "render/scene/io/mesh_files.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/io/point_formats.h"
 #include "tests/temporary_folder.h"

@@ -1,20 +1,20 @@
-// Reads the textures that a mesh names. Private to the readers of meshes.
+// The files that a mesh names, materials, textures and buffers: finds them, and reads the textures.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/image_codec.h"
 #include "base/memory_budget.h"
 #include "render/scene/io/scene_facts.h"
-#include "render/scene/mesh/texture.h"
+#include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
 
@@ -51,5 +51,25 @@ class MeshTextures {
 
 /// What `foci info` says of a texture.
 inline TextureFacts factsOf(const ImageSource& source) { return {source.name, source.exists()}; }
+
+/// The file that a name means. Blanks around the name and a pair of double quotes do not count, and
+/// a backslash separates folders. A file of this very name comes first, seen from the folder of
+/// `beside`; then one whose name and folders differ in case alone. Exporters also write paths of
+/// the machine that they ran on. So a file of that name counts that lies beside, or in a folder
+/// "textures" there. Absent if there is none.
+/// @param beside  the file that has the name
+std::optional<std::filesystem::path> namedFile(const std::filesystem::path& beside,
+                                               std::string_view name);
+
+/// The name without blanks and quotes around it, for messages.
+std::string_view plainName(std::string_view name);
+
+/// A URI as the name of a file: "%20" becomes a blank (RFC 3986).
+std::string percentDecoded(std::string_view uri);
+
+/// The files that a mesh names and that are there, each once: the material files of an OBJ and
+/// their textures, the buffers and images of a glTF, the textures of a PLY. Never fails: what
+/// cannot be read names none.
+std::vector<std::filesystem::path> meshCompanions(const std::filesystem::path& mesh);
 
 }  // namespace foci

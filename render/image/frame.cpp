@@ -1,4 +1,4 @@
-#include "render/image/filter.h"
+#include "render/image/frame.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 
 namespace foci {
+
 namespace {
 
 int inside(int at, int count, ImageBorder border) {

@@ -1,19 +1,22 @@
-#include "render/scene/io/mesh_textures.h"
+#include "render/scene/io/mesh_files.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <fstream>
 #include <iterator>
-#include <span>
+#include <nlohmann/json.hpp>
 #include <system_error>
-#include <utility>
 
+#include "base/file.h"
 #include "base/image_header.h"
 #include "base/input_error.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
-#include "render/scene/io/named_file.h"
+#include "base/words.h"
+#include "render/scene/io/gltf_document.h"
+#include "render/scene/io/obj.h"
+#include "render/scene/io/ply_items.h"
 
 #ifdef FOCI_BMP_TIFF
 #include <opencv2/imgcodecs.hpp>
@@ -74,6 +77,91 @@ DecodedImage maskOf(DecodedImage image) {
   return image;
 }
 
+namespace fs = std::filesystem;
+
+constexpr int kMaxEntries = 10'000;  // of a folder that is searched
+
+bool isFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored) && !fs::is_directory(path, ignored);
+}
+
+/// The entry of a folder whose name differs in case alone.
+std::optional<fs::path> entryOf(const fs::path& folder, const fs::path& name) {
+  std::error_code error;
+  if (fs::exists(folder / name, error)) return folder / name;
+  const std::string wanted = lowered(name.string());
+  int entries = 0;
+  for (fs::directory_iterator at(folder.empty() ? "." : folder, error), end; !error && at != end;
+       at.increment(error)) {
+    if (++entries > kMaxEntries) break;
+    const fs::path entry = at->path().filename();
+    if (lowered(entry.string()) == wanted) return folder / entry;
+  }
+  return std::nullopt;
+}
+
+/// The file below a folder whose names differ in case alone.
+std::optional<fs::path> fileBelow(const fs::path& folder, const fs::path& name) {
+  std::optional<fs::path> at = folder;
+  for (const fs::path& part : name) {
+    if (at) at = entryOf(*at, part);
+  }
+  return at && isFile(*at) ? at : std::nullopt;
+}
+
+namespace fs = std::filesystem;
+
+class Companions {
+ public:
+  explicit Companions(const fs::path& mesh) : mesh_(mesh) {}
+
+  std::vector<fs::path> files() {
+    const std::string extension = lowerExtension(mesh_);
+    if (extension == ".gltf" || extension == ".glb") {
+      readGltf();
+    } else if (extension == ".obj") {
+      readObj();
+    } else if (extension == ".ply") {
+      ply::Input input(mesh_);
+      for (const std::string& name : ply::textureNames(ply::readHeader(input))) {
+        add(namedFile(mesh_, name));
+      }
+    }
+    return std::move(files_);
+  }
+
+ private:
+  void add(const std::optional<fs::path>& file) {
+    if (file && std::find(files_.begin(), files_.end(), *file) == files_.end()) {
+      files_.push_back(*file);
+    }
+  }
+
+  void readObj() {
+    for (const fs::path& library : librariesOf(mesh_, libraryNames(mesh_))) {
+      add(library);
+      for (const fs::path& texture : readMtl(library, mesh_).textures) add(texture);
+    }
+  }
+
+  void readGltf() {
+    const GltfDocument gltf(mesh_);
+    for (const char* list : {"buffers", "images"}) {
+      for (const auto& entry : arrayIn(gltf.json(), list)) {
+        if (!entry.is_object() || !entry.contains("uri") || !entry.at("uri").is_string()) continue;
+        const std::string uri = entry.at("uri").get<std::string>();
+        if (uri.starts_with("data:")) continue;
+        const auto file = namedFile(mesh_, uri);
+        add(file ? file : namedFile(mesh_, percentDecoded(uri)));
+      }
+    }
+  }
+
+  fs::path mesh_;
+  std::vector<fs::path> files_;
+};
+
 }  // namespace
 
 std::shared_ptr<const MeshTexture> MeshTextures::read(const ImageSource& source, bool as_mask) {
@@ -119,6 +207,50 @@ std::optional<DecodedImage> MeshTextures::image(const ImageSource& source, const
                           : " is missing: put it beside the mesh; ") +
                      instead);
   return std::nullopt;
+}
+
+std::optional<fs::path> namedFile(const fs::path& beside, std::string_view name) {
+  std::string stated(plainName(name));
+  std::replace(stated.begin(), stated.end(), '\\', '/');
+  const fs::path path = stated, folder = beside.parent_path(), bare = path.filename();
+  if (bare.empty()) return std::nullopt;
+  if (isFile(folder / path)) return folder / path;
+  if (path.is_relative()) {
+    if (auto below = fileBelow(folder, path)) return below;
+  }
+  if (auto own = fileBelow(folder, bare)) return own;
+  return fileBelow(folder, fs::path("textures") / bare);
+}
+
+std::string_view plainName(std::string_view name) {
+  name = trimmed(name);
+  if (name.size() >= 2 && name.front() == '"' && name.back() == '"') {
+    name = trimmed(name.substr(1, name.size() - 2));
+  }
+  return name;
+}
+
+std::string percentDecoded(std::string_view uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned code = 0;
+    const char* const first = uri.data() + i + 1;
+    const bool encoded = uri[i] == '%' && i + 2 < uri.size() &&
+                         std::from_chars(first, first + 2, code, 16).ptr == first + 2;
+    text += encoded ? static_cast<char>(code) : uri[i];
+    if (encoded) i += 2;
+  }
+  return text;
+}
+
+std::vector<fs::path> meshCompanions(const fs::path& mesh) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(mesh, ignored)) return {};
+  try {
+    return Companions(mesh).files();
+  } catch (const InputError&) {  // opening the scene reports it
+    return {};
+  }
 }
 
 }  // namespace foci

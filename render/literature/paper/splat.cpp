@@ -1,6 +1,5 @@
-#include "render/literature/paper/tiles.h"
+#include "render/literature/paper/splat.h"
 
-#include <cstddef>
 #include <utility>
 
 #include "base/parallel.h"
