@@ -17,6 +17,7 @@ void addChartCommand(CLI::App& app);      ///< time and error of every method
 void addDoctorCommand(CLI::App& app);     ///< what this machine offers
 void addEventsCommand(CLI::App& app);     ///< eye movements of a recording
 void addEyeCommand(CLI::App& app);        ///< the observer's eye itself
+void addFiguresCommand(CLI::App& app);    ///< figures of a run for a paper
 void addInfoCommand(CLI::App& app);       ///< facts about a scene
 void addKeysCommand(CLI::App& app);       ///< the keys of a study file
 void addManualCommand(CLI::App& app);     ///< man pages and shell completions

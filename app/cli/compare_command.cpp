@@ -27,7 +27,7 @@ void runCompare(const CompareOptions& options) {
   std::vector<std::filesystem::path> folders(options.runs.begin(), options.runs.end());
   std::vector<std::filesystem::path> inputs;
   for (const std::filesystem::path& folder : folders) {
-    for (const char* name : {"frames.tsv", "events.tsv", "objects.tsv", "video.mp4"}) {
+    for (const char* name : {"frames.tsv", "fixations.tsv", "objects.tsv", "video.mp4"}) {
       inputs.push_back(folder / name);
     }
   }

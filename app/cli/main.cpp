@@ -48,6 +48,7 @@ int run(int argc, char** argv) {
   addDoctorCommand(app);
   addEventsCommand(app);
   addEyeCommand(app);
+  addFiguresCommand(app);
   addInfoCommand(app);
   addJoinCommand(app, command_line);
   addCompareCommand(app);

@@ -91,7 +91,7 @@ void writeFocus(std::ostream& out, const std::vector<ComparedRun>& runs) {
   double last_s = 0.0, most_D = 0.0, least_D = 0.0;
   for (const ComparedRun& run : runs) {
     last_s = std::max(last_s, run.frames.back().time_s);
-    for (const ComparedFrame& frame : run.frames) {
+    for (const RunFrame& frame : run.frames) {
       most_D = std::max(most_D, frame.focus_D);
       least_D = std::min(least_D, frame.focus_D);
     }
@@ -118,7 +118,7 @@ void writeFocus(std::ostream& out, const std::vector<ComparedRun>& runs) {
   }
   for (std::size_t i = 0; i < runs.size(); ++i) {
     out << "<polyline stroke-width=\"1.5\" stroke=\"" << colorOf(i) << "\" points=\"";
-    for (const ComparedFrame& frame : runs[i].frames) {
+    for (const RunFrame& frame : runs[i].frames) {
       out << decimal(x(frame.time_s), 1) << ',' << decimal(y(frame.focus_D), 1) << ' ';
     }
     out << "\"/>\n";

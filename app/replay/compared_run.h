@@ -8,23 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "app/graphics/video_writer.h"
+#include "app/replay/finished_run.h"
 
 namespace foci {
-
-/// A frame of frames.tsv.
-struct ComparedFrame {
-  double time_s = 0.0;  ///< after the first frame
-  double focus_D = 0.0;
-  double pupil_mm = 0.0;
-  std::optional<double> off_focus_D = {};  ///< |1 / surface - focus|; absent without a surface
-};
 
 struct ComparedRun {
   std::filesystem::path folder;
   std::string name;  ///< the folder's
   std::size_t fixations = 0;
-  std::vector<ComparedFrame> frames = {};
+  std::vector<RunFrame> frames = {};           ///< times after the first frame
   std::map<std::string, double> dwell_s = {};  ///< by object
   std::vector<Image> pictures = {};            ///< of the video, at `kPictures` equal steps
 
@@ -37,7 +29,7 @@ struct ComparedRun {
   std::optional<double> meanBlur_arcmin() const;
 };
 
-inline constexpr int kPictures = 6;
+inline constexpr std::size_t kPictures = 6;
 
 /// @throws InputError if the folder is not that of a replay
 ComparedRun readRun(const std::filesystem::path& folder);

@@ -1,7 +1,6 @@
 #include "app/replay/heatmap.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -17,26 +16,11 @@
 namespace foci {
 namespace {
 
-constexpr glm::ivec2 kPicture_px{720, 480};
 constexpr double kFov_rad = 0.9, kTurn_rad = glm::pi<double>() / 3.0;
-constexpr float kDim = 0.45f;        // of the scene under the heat
-constexpr float kShading = 0.6f;     // shows the form of plain surfaces
-constexpr float kLeastHeat = 0.25f;  // place on Inferno where the scale begins
-constexpr double kExceeded = 0.01;   // share of the time beyond the end of the scale
+constexpr float kDim = 0.45f;       // of the scene under the heat
+constexpr float kShading = 0.6f;    // shows the form of plain surfaces
+constexpr double kExceeded = 0.01;  // share of the time beyond the end of the scale
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);  // of the sRGB primaries
-
-/// Inferno (van der Walt and Smith 2015) at 0, 1/4, 1/2, 3/4 and 1; sRGB.
-glm::vec3 infernoAt(float heat) {
-  constexpr std::array<glm::vec3, 5> kStops = {glm::vec3(0, 0, 4), glm::vec3(87, 16, 110),
-                                               glm::vec3(188, 55, 84), glm::vec3(249, 142, 9),
-                                               glm::vec3(252, 255, 164)};
-  const float at = 4.0f * std::clamp(heat, 0.0f, 1.0f);
-  const auto low = static_cast<std::size_t>(std::min(at, 3.0f));
-  const glm::vec3 code = glm::mix(kStops.at(low), kStops.at(low + 1), at - static_cast<float>(low));
-  glm::vec3 linear;
-  for (int c = 0; c < 3; ++c) linear[c] = linearFromSrgb(code[c] / 255.0f);
-  return linear;
-}
 
 /// Attention per area at the end of the scale.
 double scaleOf(const SurfelCloud& cloud, const std::vector<double>& attention_s) {
@@ -58,30 +42,24 @@ double scaleOf(const SurfelCloud& cloud, const std::vector<double>& attention_s)
 }
 
 HeatPicture pictureFrom(Method& method, const glm::dvec3& eye_m, const glm::dvec3& middle_m,
-                        const glm::dvec3& up, std::string caption) {
+                        const glm::dvec3& up, const glm::ivec2& size_px, std::string caption) {
   const glm::dvec3 towards = glm::normalize(middle_m - eye_m);
   const bool along_up = std::abs(glm::dot(towards, up)) > 0.99;
   const glm::dvec3 other = tangentTo(glm::vec3(up));
   const View view = viewOfCamera(
       eyeFromWorld(glm::vec3(eye_m), glm::vec3(middle_m), glm::vec3(along_up ? other : up)),
-      kPicture_px, kFov_rad);
+      size_px, kFov_rad);
   Frame frame;
   RenderSettings settings;
   settings.shading = kShading;
   method.render(view, settings, frame);
-  return {.caption = std::move(caption), .jpeg = jpegOf(imageOf(frame))};
-}
-
-/// How much of the scene's own grey the heat replaces, and the place on the scale.
-glm::vec3 heatColor(float share, float grey) {
-  if (!(share > 0.0f)) return glm::vec3(grey);
-  return glm::mix(glm::vec3(grey), infernoAt(kLeastHeat + (1.0f - kLeastHeat) * share),
-                  std::min(8.0f * share, 1.0f));
+  return {.caption = std::move(caption), .image = imageOf(frame)};
 }
 
 }  // namespace
 
-HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s) {
+HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s,
+                  ColorMap colors) {
   HeatMap map{.cloud = cloud, .most_s_per_m2 = scaleOf(cloud, attention_s)};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const float grey = kDim * glm::dot(kLuminance, glm::min(cloud.color[i], glm::vec3(1.0f)));
@@ -89,7 +67,8 @@ HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention
     const bool scaled = map.most_s_per_m2 > 0.0;
     const auto share =
         scaled ? static_cast<float>(std::min(density / map.most_s_per_m2, 1.0)) : 0.0f;
-    map.cloud.color[i] = heatColor(share, grey);
+    const glm::vec3 code = heatAt(colors, share, srgbFromLinear(grey));
+    for (int c = 0; c < 3; ++c) map.cloud.color[i][c] = linearFromSrgb(code[c]);
   }
   return map;
 }
@@ -104,12 +83,8 @@ std::string heatBarSvg(double most_s_per_m2) {
                     " s/m&sup2;\"><defs><linearGradient id=\"heat\">";
   for (int i = 0; i <= kStops; ++i) {
     const float share = static_cast<float>(i) / kStops;
-    const glm::vec3 linear = infernoAt(kLeastHeat + (1.0f - kLeastHeat) * share);
-    std::string color;
-    for (int c = 0; c < 3; ++c) {
-      color += (c > 0 ? "," : "") + decimal(255.0 * double{srgbFromLinear(linear[c])}, 0);
-    }
-    svg += "<stop offset=\"" + decimal(double{share}, 3) + "\" stop-color=\"rgb(" + color + ")\"/>";
+    svg += "<stop offset=\"" + decimal(double{share}, 3) + "\" stop-color=\"" +
+           hexOf(heatAt(ColorMap::inferno, share, 0.0f)) + "\"/>";
   }
   svg += "</linearGradient></defs><rect x=\"" + decimal(kSide, 0) + "\" width=\"" +
          decimal(kWidth - 2.0 * kSide, 0) + "\" height=\"" + decimal(kBar, 0) +
@@ -124,7 +99,8 @@ std::string heatBarSvg(double most_s_per_m2) {
   return svg + "</svg>\n";
 }
 
-std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze) {
+std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze,
+                                      const glm::ivec2& size_px) {
   glm::dvec3 eye_m(0.0), middle_m(0.0);
   double all_s = 0.0;
   for (const SightSample& sample : gaze.samples) {
@@ -142,9 +118,9 @@ std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene
   const auto method = makeMethod("pinhole", heat);
   std::vector<HeatPicture> pictures;
   pictures.push_back(
-      pictureFrom(*method, eye_m, middle_m, gaze.up, "from the observer's mean place"));
+      pictureFrom(*method, eye_m, middle_m, gaze.up, size_px, "from the observer's mean place"));
   pictures.push_back(
-      pictureFrom(*method, middle_m + turned, middle_m, gaze.up, "turned by 60 degrees"));
+      pictureFrom(*method, middle_m + turned, middle_m, gaze.up, size_px, "turned by 60 degrees"));
   return pictures;
 }
 

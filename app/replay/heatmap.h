@@ -1,38 +1,41 @@
 // The heatmap of a run: how long gaze rested on each surfel of the scene.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <string>
 #include <vector>
 
+#include "app/graphics/color_map.h"
+#include "app/graphics/video_writer.h"
 #include "app/replay/gaze_in_scene.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
 
-/// A picture of the heatmap, for the report.
 struct HeatPicture {
   std::string caption;
-  std::vector<std::uint8_t> jpeg;
+  Image image;
 };
 
 struct HeatMap {
-  /// The scene in dim grey, with attention from violet (little) to bright yellow.
+  /// The scene in dim grey, with attention in the colours of `heatAt`.
   SurfelCloud cloud;
   /// Attention per area at the end of the scale, which 1 % of the time exceeds; 0: there is none.
   double most_s_per_m2 = 0.0;
 };
 
 /// @param attention_s  by surfel
-HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s);
+HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s,
+                  ColorMap colors = ColorMap::inferno);
 
 /// The scale of colours with its unit, an <svg> element.
 std::string heatBarSvg(double most_s_per_m2);
 
 /// Pictures from where the observer was on average, and from the side, turned by 60 degrees about
 /// the middle of what was looked at. `GazeInScene::up` is upwards. None if no gaze met the scene.
-std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze);
+std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze,
+                                      const glm::ivec2& size_px = {720, 480});
 
 /// A PLY of the surfels: position, normal, colour of `heat`, and `attention_s`, seconds.
 /// @throws std::runtime_error

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "app/graphics/html.h"
+#include "app/graphics/image.h"
 #include "app/record/quality_json.h"
 #include "app/record/tables.h"
 #include "base/base64.h"
@@ -323,7 +324,8 @@ void heatSection(std::ostream& out, const ReportFacts& facts) {
     out << "<figure><img alt=\"heatmap " << escaped(picture.caption)
         << "\" src=\"data:image/jpeg;base64,";
     Base64 base64(out);
-    base64.add(picture.jpeg.data(), picture.jpeg.size());
+    const auto jpeg = jpegOf(picture.image);
+    base64.add(jpeg.data(), jpeg.size());
     base64.finish();
     out << "\"><figcaption>" << escaped(picture.caption) << "</figcaption></figure>\n";
   }

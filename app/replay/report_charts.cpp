@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
-#include "app/graphics/html.h"
 #include "base/text.h"
 
 namespace foci {
@@ -51,45 +49,57 @@ std::string stateBand(const std::vector<ChartRow>& rows) {
 /// The marks as vertical lines: dashed where a setting changed. Numbers stand in the first panel,
 /// where there is room.
 /// @param labels  the script that removes the numbers again
-std::string markLines(const std::vector<RunMark>& marks, double from_s, double to_s,
-                      std::string& labels) {
-  constexpr double kWidth_px = 870.0, kLabel_px = 16.0, kLine_px = 1.0;
-  const double px_per_s = kWidth_px / (to_s - from_s);
+std::string markLines(const FigureStyle& style, const std::vector<RunMark>& marks, double from_s,
+                      double to_s, std::string& labels) {
+  constexpr double kLabel_pt = 16.0, kLine_pt = 1.0;
+  const glm::dvec2 sides = panelSides(style);
+  const double pt_per_s = style.size_pt().x * (sides.y - sides.x) / (to_s - from_s);
   std::string text;
   double last_line_s = -1e300, last_label_s = -1e300;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     const RunMark& mark = marks[i];
-    if ((mark.time_s - last_line_s) * px_per_s < kLine_px) continue;
+    if ((mark.time_s - last_line_s) * pt_per_s < kLine_pt) continue;
     last_line_s = mark.time_s;
     const std::string at = decimal(mark.time_s, 4);
     // gnuplot's SVG keeps the dashes of the last line unless the width differs, too.
     text.append("set arrow from ").append(at).append(", graph 0 to ").append(at);
-    text.append(", graph 1 nohead ")
-        .append(mark.is_change ? "linewidth 0.9 dashtype 2" : "linewidth 1.2 dashtype 1")
+    text.append(", graph 1 nohead linewidth ")
+        .append(style.line(mark.is_change ? 0.6 : 0.8))
+        .append(mark.is_change ? " dashtype 2" : " dashtype 1")
         .append(" linecolor rgb '")
-        .append(kTextColor)
+        .append(style.ink)
         .append("'\n");
-    if ((mark.time_s - last_label_s) * px_per_s < kLabel_px) continue;
+    if ((mark.time_s - last_label_s) * pt_per_s < kLabel_pt) continue;
     last_label_s = mark.time_s;
     const std::string number = std::to_string(i + 1);
     text.append("set label ").append(number).append(" '").append(number).append("' at ").append(at);
-    text.append(", graph 0.93 left offset 0.3,0 font 'sans-serif,11' textcolor rgb '")
-        .append(kTextColor)
+    text.append(", graph 0.93 left offset 0.3,0 textcolor rgb '")
+        .append(style.ink)
         .append("' front\n");
     labels.append("unset label ").append(number).append("\n");
   }
   return text;
 }
 
-std::string panel(double bottom, double top, const std::string& label, const std::string& more) {
-  return "set bmargin at screen " + decimal(bottom, 4) + "\nset tmargin at screen " +
-         decimal(top, 4) + "\nset ylabel '" + label + "'\n" + more;
-}
-
 void replaceAll(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
     text.replace(at, from.size(), to);
   }
+}
+
+/// The states on which the ground is coloured, as entries of the key.
+std::string stateKeys(const std::vector<ChartRow>& rows) {
+  std::string text;
+  for (std::size_t i = 0; i < kGazeStates; ++i) {
+    const auto state = static_cast<GazeState>(i);
+    if (state == GazeState::fixation) continue;
+    if (std::ranges::none_of(rows, [&](const ChartRow& row) { return row.state == state; })) {
+      continue;
+    }
+    text += ", NaN with boxes fillstyle solid 0.22 noborder linecolor rgb '" +
+            std::string(colorOf(state)) + "' title '" + std::string(nameOf(state)) + "'";
+  }
+  return text;
 }
 
 }  // namespace
@@ -135,95 +145,88 @@ std::string rangeOf(const std::vector<ChartRow>& rows, double ChartRow::*member,
   return low <= high ? decimal(low, digits) + " to " + decimal(high, digits) : "no value";
 }
 
-/// Gives gnuplot's <svg> element a role, a title and a description in place of its own.
-void describe(std::string& svg, const std::string& title, const std::string& description) {
-  const std::size_t start = svg.find('>');
-  svg.insert(start, " role=\"img\" aria-label=\"" + escaped(title) + "\"");
-  for (const auto& [tag, text] :
-       {std::pair<std::string, std::string>("title", title), {"desc", description}}) {
-    const std::string open = "<" + tag + ">", close = "</" + tag + ">";
-    const std::size_t from = svg.find(open), to = svg.find(close);
-    const std::string element = std::string(open).append(escaped(text)).append(close);
-    if (from != svg.npos && to != svg.npos) {
-      svg.replace(from, to + close.size() - from, element);
-    } else {
-      svg.insert(svg.find('>') + 1, "\n" + element);
-    }
-  }
-}
-
 }  // namespace
 
-std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks) {
+std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks,
+                       bool render_times) {
   const auto changes = static_cast<std::size_t>(std::count_if(
       marks.begin(), marks.end(), [](const RunMark& mark) { return mark.is_change; }));
   const std::size_t markers = marks.size() - changes;
-  return "Four panels over time, from " + decimal(rows.front().time_s, 2) + " s to " +
+  return "Panels over time, from " + decimal(rows.front().time_s, 2) + " s to " +
          decimal(rows.back().time_s, 2) + " s. Gaze, horizontal " +
          rangeOf(rows, &ChartRow::gaze_x_px, 0) + " px and vertical " +
          rangeOf(rows, &ChartRow::gaze_y_px, 0) + " px. Focus of the eye, " +
          rangeOf(rows, &ChartRow::focus_D, 2) + " dioptres, beside the surface under the gaze, " +
          rangeOf(rows, &ChartRow::surface_D, 2) + " dioptres. Pupil, " +
-         rangeOf(rows, &ChartRow::pupil_mm, 1) + " mm. Time to render a frame, " +
-         rangeOf(rows, &ChartRow::render_ms, 1) + " ms. " + counted(markers, "event marker") +
-         " and " + counted(changes, "change") + " of settings.";
+         rangeOf(rows, &ChartRow::pupil_mm, 1) + " mm. " +
+         (render_times
+              ? "Time to render a frame, " + rangeOf(rows, &ChartRow::render_ms, 1) + " ms. "
+              : "") +
+         counted(markers, "event marker") + " and " + counted(changes, "change") + " of settings.";
+}
+
+GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& rows,
+                        const glm::ivec2& screen_px, const std::vector<RunMark>& marks,
+                        bool render_times) {
+  const double from_s = rows.front().time_s;
+  const double to_s = std::max(rows.back().time_s, from_s + 1e-3);
+  std::string no_labels;
+  const std::string script = figureHead(style) + dataBlock(rows) + "set xrange [" +
+                             decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n" + stateBand(rows) +
+                             markLines(style, marks, from_s, to_s, no_labels);
+  const auto line = [&](int column, const char* title, const char* color, double width) {
+    return "$frames using 1:" + std::to_string(column) + " with lines title '" + title +
+           "' linewidth " + style.line(width) + " linecolor rgb '" + color + "'";
+  };
+  const int span_px = std::max(screen_px.x, screen_px.y);
+  int tick_px = 50;
+  while (5 * tick_px < span_px) tick_px *= 2;
+  std::vector<FigurePanel> panels = {
+      {.label = "gaze, px",
+       .height = 0.215,
+       .settings = "set yrange [0:" + std::to_string(span_px) + "]\nset ytics " +
+                   std::to_string(tick_px) + "\n",
+       .plots = line(2, "x", "#3b82c4", 1.0) + ", " + line(3, "y", "#d9822b", 1.0) +
+                (render_times ? "" : stateKeys(rows)),
+       .after = no_labels},
+      {.label = "focus, D",
+       .height = 0.25,
+       .settings = "set yrange [0:*]\nset ytics autofreq\n",
+       .plots = line(4, "surface under gaze", "#3a9d6e", 2.4) + ", " +
+                line(6, "focus of the eye", "#c2417c", 1.1)},
+      {.label = "pupil, mm",
+       .height = 0.1,
+       .settings = "set yrange [0:9]\nset ytics 4\n",
+       .plots = line(7, "", "#8e6bbf", 1.1)}};
+  if (render_times) {  // a reused frame has no impulse
+    panels.push_back({.label = "render, ms",
+                      .height = 0.165,
+                      .settings = "set yrange [0:*]\nset ytics autofreq\n",
+                      .plots = "$frames using 1:8 with impulses title '' linewidth " +
+                               style.line(0.8) + " linecolor rgb '#7a8190'"});
+  }
+  return drawFigure(style, script + stackedPanels(style, "time, s", panels),
+                    render_times ? "Gaze, focus, pupil and render time over time"
+                                 : "Gaze, focus and pupil over time",
+                    chartsText(rows, marks, render_times));
+}
+
+FigureStyle reportStyle() {
+  return {.width_mm = 960.0 * kMmPerPoint,  // a unit of the SVG is a point
+          .height_mm = 900.0 * kMmPerPoint,
+          .font_pt = 13.0,
+          .line_pt = 1.4,
+          .ink = kTextColor};
 }
 
 GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
                        const std::vector<RunMark>& marks) {
-  const double from_s = rows.front().time_s;
-  const double to_s = std::max(rows.back().time_s, from_s + 1e-3);
-  std::string script = dataBlock(rows);
-  script +=
-      "set terminal svg size 960,900 dynamic font 'sans-serif,13' name 'foci'\n"
-      "set multiplot\nset lmargin at screen 0.08\nset rmargin at screen 0.985\n"
-      "set border 3 linecolor rgb '" +
-      std::string(kTextColor) +
-      "' linewidth 0.7\n"
-      "set tics nomirror textcolor rgb '" +
-      kTextColor + "'\nset ylabel textcolor rgb '" + kTextColor +
-      "' offset 1,0\nset xlabel textcolor rgb '" + kTextColor + "'\nset key textcolor rgb '" +
-      kTextColor +
-      "' horizontal at graph 1, graph 1.02 right bottom samplen 2\nset format x ''\n"
-      "set xrange [" +
-      decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n";
-  script += stateBand(rows);
-  std::string no_labels;
-  script += markLines(marks, from_s, to_s, no_labels);
-  const auto line = [](int column, const char* title, const char* color, const char* width) {
-    return "$frames using 1:" + std::to_string(column) + " with lines title '" + title +
-           "' linewidth " + width + " linecolor rgb '" + color + "'";
-  };
-  const int span_px = std::max(screen_px.x, screen_px.y);
-  script += panel(0.75, 0.965, "gaze, px", "set yrange [0:" + std::to_string(span_px) + "]\n");
-  script += "plot " + line(2, "x", "#3b82c4", "1.4") + ", " + line(3, "y", "#d9822b", "1.4") +
-            "\n" + no_labels;
-  script += panel(0.44, 0.69, "focus, D", "set yrange [0:*]\n");
-  script += "plot " + line(4, "surface under gaze", "#3a9d6e", "3.5") + ", " +
-            line(6, "focus of the eye", "#c2417c", "1.6") + "\n";
-  script += panel(0.285, 0.38, "pupil, mm", "set yrange [0:9]\nset ytics 4\n");
-  script += "plot " + line(7, "", "#8e6bbf", "1.6") + "\n";
-  script +=
-      panel(0.06, 0.225, "render, ms",
-            "set yrange [0:*]\nset ytics autofreq\nset format x '%g'\nset xlabel 'time, s'\n");
-  // A reused frame has no impulse.
-  script +=
-      "plot $frames using 1:8 with impulses title '' linewidth 1.2 linecolor rgb '#7a8190'\n"
-      "unset multiplot\n";
-
-  GnuplotChart chart = runGnuplot(script);
+  GnuplotChart chart = timeFigure(reportStyle(), rows, screen_px, marks, true);
   if (!chart.image) return chart;
-  std::string& svg = *chart.image;
-  const std::size_t start = svg.find("<svg");
-  if (start == svg.npos || svg.find('>', start) == svg.npos) {
-    return {.problem = "gnuplot drew no SVG"};
-  }
-  svg.erase(0, start);
   // Not currentColor: gnuplot's groups set that to black.
   for (const char* drawn : {kTextColor, "rgb(  1,   2,   3)", "rgb(1,2,3)"}) {
-    replaceAll(svg, drawn, "var(--ink)");
+    replaceAll(*chart.image, drawn, "var(--ink)");
   }
-  describe(svg, "Gaze, focus, pupil and render time over time", chartsText(rows, marks));
   return chart;
 }
 

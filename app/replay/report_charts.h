@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/platform/gnuplot.h"
+#include "app/graphics/figure.h"
 #include "app/replay/run_changes.h"
 #include "gaze/geometry/gaze_sample.h"
 
@@ -28,18 +28,25 @@ class ChartSeries {
   std::size_t stride_ = 1, seen_ = 0;
 };
 
-/// Gaze, focus, pupil and render time over time, over bands that show the gaze state. Event markers
-/// and changes are lines through all panels, numbered at the top. Axes have the text colour of the
-/// page, so that one image serves light and dark pages. The element has a title and a description
-/// for screen readers.
+/// Gaze, focus, pupil and, if asked for, render time over time, over bands that show the gaze
+/// state. Event markers and changes are lines through all panels, numbered at the top.
+/// @param rows       not empty
 /// @param screen_px  range of the gaze axis
 /// @param marks      in order of time
-/// @return an <svg> element, or why there is none
+GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& rows,
+                        const glm::ivec2& screen_px, const std::vector<RunMark>& marks,
+                        bool render_times);
+
+FigureStyle reportStyle();
+
+/// The figure in that style as an <svg> element for a page. Axes have the text colour of the page,
+/// so that one image serves light and dark pages.
 GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
                        const std::vector<RunMark>& marks);
 
 /// What the charts show, in sentences.
-std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks);
+std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks,
+                       bool render_times);
 
 /// Colour of a state in charts and legends, "#rrggbb".
 const char* colorOf(GazeState state);

@@ -143,7 +143,8 @@ TEST(HostileNames, AreFieldsOfTables) {
     expectRectangular(objectTable(gaze, trials), 2);
 
     ComparedRun run{.folder = name, .name = name};
-    run.frames = {{}, {.time_s = 1.0}};
+    run.frames.resize(2);
+    run.frames[1].time_s = 1.0;
     run.dwell_s[name] = 2.0;
     expectRectangular(compareTable({run, run}), 3);
 

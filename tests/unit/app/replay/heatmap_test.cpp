@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <glm/glm.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
@@ -52,7 +51,9 @@ struct Looked {
 
 /// The bounds of what is not grey, px.
 cv::Rect colouredIn(const HeatPicture& picture) {
-  const cv::Mat image = cv::imdecode(picture.jpeg, cv::IMREAD_COLOR);
+  const glm::ivec2 size_px = picture.image.size_px;
+  const cv::Mat image(size_px.y, size_px.x, CV_8UC3,
+                      const_cast<unsigned char*>(picture.image.rgb.data()));
   cv::Mat coloured(image.size(), CV_8U, cv::Scalar(0));
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {

@@ -1,0 +1,97 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/platform/output_files.h"
+#include "app/platform/warnings.h"
+#include "app/replay/figures.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+struct FiguresOptions {
+  std::string run{}, out{}, format = "svg", colors = "inferno", trial{};
+  FigureChoice choice{};
+  bool overwrite = false;
+};
+
+/// The number of a name in a list that has it.
+template <class Enum, class Names>
+Enum valueNamed(const std::string& name, const Names& names) {
+  return static_cast<Enum>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void runFigures(FiguresOptions options) {
+  FigureChoice& choice = options.choice;
+  choice.style.format = valueNamed<FigureFormat>(options.format, kFigureFormats);
+  choice.style.colors = valueNamed<ColorMap>(options.colors, kColorMaps);
+  if (!options.trial.empty()) choice.trial = options.trial;
+  std::vector<std::filesystem::path> inputs;
+  for (const char* name : {"frames.tsv", "fixations.tsv", "manifest.json", "video.mp4"}) {
+    inputs.push_back(std::filesystem::path(options.run) / name);
+  }
+  const FiguresMade made =
+      writeFigures(options.run, choice, options.out,
+                   OutputGuard(figureFiles(choice, options.out), inputs, options.overwrite));
+  for (const std::string& remark : made.remarks) say(remark);
+  for (const auto& file : made.files) std::puts(visible(file.string()).c_str());
+}
+
+/// An option that takes one of some names.
+template <class Names>
+CLI::Option* addNames(CLI::App& command, const char* option, auto& value, const char* help,
+                      const Names& names) {
+  return command.add_option(option, value, help)
+      ->type_name("NAME")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+}
+
+}  // namespace
+
+void addFiguresCommand(CLI::App& app) {
+  const auto options = std::make_shared<FiguresOptions>();
+  FigureStyle& style = options->choice.style;
+  CLI::App* command = app.add_subcommand(
+      "figures",
+      "Draw figures of a run for a paper: scanpath, maps of gaze on the frame and on the scene, "
+      "time series, focus and blur.\n"
+      "Example: foci figures out/demo --out out/figures --format pdf --width 85");
+  command->add_option("RUN", options->run, "folder that foci replay wrote")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--out", options->out, "folder of the figures")->type_name("DIR")->required();
+  addNames(*command, "--format", options->format, "default svg", kFigureFormats);
+  addNames(*command, "--only", options->choice.kinds, "only this figure; may be repeated",
+           kFigures);
+  command->add_option("--trial", options->trial, "only this trial of the run")->type_name("NAME");
+  command->add_option("--width", style.width_mm, "width, mm; default 180")
+      ->type_name("MM")
+      ->check(CLI::Range(30.0, 1000.0));
+  command
+      ->add_option("--height", style.height_mm, "height of time series and focus, mm; default 110")
+      ->type_name("MM")
+      ->check(CLI::Range(30.0, 1000.0));
+  command->add_option("--font", style.font_pt, "size of the letters, points; default 8")
+      ->type_name("PT")
+      ->check(CLI::Range(3.0, 40.0));
+  command->add_option("--line", style.line_pt, "width of a line, points; default 0.75")
+      ->type_name("PT")
+      ->check(CLI::Range(0.1, 10.0));
+  command->add_option("--dpi", style.dpi, "pixels per inch of PNG and of pictures; default 300")
+      ->type_name("N")
+      ->check(CLI::Range(50.0, 1200.0));
+  addNames(*command, "--colors", options->colors, "colour map; default inferno", kColorMaps);
+  addOverwriteFlag(*command, options->overwrite);
+  command->callback([options, command] {
+    refuseEmptyValues(*command);
+    runFigures(*options);
+  });
+}
+
+}  // namespace foci
