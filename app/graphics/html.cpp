@@ -32,6 +32,7 @@ caption { text-align: left; color: var(--quiet); padding: .25rem 0; } th { text-
 table { border-collapse: collapse; width: 100%; font-size: .88rem; }
 td { border-top: 1px solid var(--line); padding: .25rem .75rem .25rem 0; vertical-align: top; }
 td:first-child { white-space: nowrap; } td.value { font-variant-numeric: tabular-nums; overflow-wrap: anywhere; }
+pre { white-space: pre-wrap; font-size: .85rem; }
 summary { cursor: pointer; font-weight: 600; margin-top: 2rem; }
 )";
 

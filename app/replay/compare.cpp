@@ -8,6 +8,7 @@
 
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
+#include "app/graphics/plot.h"
 #include "app/platform/output_folder.h"
 #include "base/base64.h"
 #include "base/text.h"
@@ -17,7 +18,6 @@ namespace {
 
 constexpr const char *kCompareTable = "compare.tsv", *kComparePage = "compare.html";
 constexpr int kComparePicture_px = 300;
-constexpr double kPlotWidth = 900.0, kPlotHeight = 220.0, kMargin = 34.0;
 
 /// Colours of the runs (Okabe and Ito 2008), readable on light and dark pages.
 constexpr std::array<const char*, 7> kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -88,42 +88,20 @@ void writeDwell(std::ostream& out, const std::vector<ComparedRun>& runs) {
 }
 
 void writeFocus(std::ostream& out, const std::vector<ComparedRun>& runs) {
-  double last_s = 0.0, most_D = 0.0, least_D = 0.0;
-  for (const ComparedRun& run : runs) {
-    last_s = std::max(last_s, run.frames.back().time_s);
-    for (const RunFrame& frame : run.frames) {
-      most_D = std::max(most_D, frame.focus_D);
-      least_D = std::min(least_D, frame.focus_D);
-    }
-  }
-  most_D = std::max(most_D, least_D + 0.1);
-  last_s = std::max(last_s, 1e-3);
-  const auto x = [&](double time_s) { return kMargin + (kPlotWidth - kMargin) * time_s / last_s; };
-  const auto y = [&](double focus_D) {
-    return 8.0 + (kPlotHeight - kMargin) * (most_D - focus_D) / (most_D - least_D);
-  };
-  out << "<h2>Focus over time, D</h2>\n<svg viewBox=\"0 0 " << decimal(kPlotWidth + 10.0, 0) << ' '
-      << decimal(kPlotHeight, 0)
-      << "\" role=\"img\" aria-label=\"focus of each run over time\" fill=\"none\" "
-         "stroke=\"currentColor\" font-size=\"12\">\n";
-  for (const double level : {least_D, 0.5 * (least_D + most_D), most_D}) {
-    out << "<path opacity=\".3\" d=\"M" << decimal(kMargin, 1) << ' ' << decimal(y(level), 1) << 'H'
-        << decimal(kPlotWidth, 1) << "\"/><text stroke=\"none\" fill=\"currentColor\" x=\"0\" y=\""
-        << decimal(y(level) + 4.0, 1) << "\">" << decimal(level, 2) << "</text>\n";
-  }
-  for (const double share : {0.0, 0.5, 1.0}) {
-    out << "<text stroke=\"none\" fill=\"currentColor\" text-anchor=\"middle\" x=\""
-        << decimal(std::min(x(share * last_s), kPlotWidth - 16.0), 1) << "\" y=\""
-        << decimal(kPlotHeight - 6.0, 1) << "\">" << decimal(share * last_s, 1) << " s</text>\n";
-  }
+  Plot plot{.name = "focus of each run over time", .size_px = {900.0, 240.0}};
+  std::vector<double> times_s, focus_D;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    out << "<polyline stroke-width=\"1.5\" stroke=\"" << colorOf(i) << "\" points=\"";
+    PlotSeries series{.name = runs[i].name, .color = colorOf(i), .discs = false};
     for (const RunFrame& frame : runs[i].frames) {
-      out << decimal(x(frame.time_s), 1) << ',' << decimal(y(frame.focus_D), 1) << ' ';
+      series.points.push_back({.x = frame.time_s, .y = frame.focus_D});
+      times_s.push_back(frame.time_s);
+      focus_D.push_back(frame.focus_D);
     }
-    out << "\"/>\n";
+    plot.series.push_back(std::move(series));
   }
-  out << "</svg>\n";
+  plot.x = linearAxis("time, s", times_s);
+  plot.y = linearAxis("", focus_D);
+  out << "<h2>Focus over time, D</h2>\n" << svgOf(layOut(plot));
 }
 
 void writePictures(std::ostream& out, const std::vector<ComparedRun>& runs) {

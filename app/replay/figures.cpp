@@ -20,7 +20,7 @@
 namespace foci {
 namespace {
 
-constexpr int kMapWidth = 320;
+constexpr int kMapWidth = 640;
 constexpr float kMapDim = 0.5f;  // of the frame under the gaze map
 
 /// The finished run, or one trial of it.
@@ -222,6 +222,7 @@ std::vector<float> gazeMap(const Screen& screen, const glm::ivec2& size,
   constexpr double kReach = 5.0;  // in sigmas
   const double sigma = glm::radians(kGazeMapSigma_deg);
   std::vector<glm::dvec3> sights;
+  sights.reserve(path.size());
   for (const PathPoint& point : path) sights.push_back(lineOfSight(screen, point.at_px));
   std::vector<float> map;
   for (int y = 0; y < size.y; ++y) {
@@ -247,33 +248,17 @@ namespace {
 
 GnuplotChart gazeMapFigure(const FigureStyle& wanted, const Screen& screen, const Ground& ground) {
   const FigureStyle style = styleFor(wanted, screen.size_px);
-  const glm::ivec2 size(kMapWidth, std::max(1, kMapWidth * screen.size_px.y / screen.size_px.x));
-  const std::vector<float> map = gazeMap(screen, size, ground.path);
+  Image image{.size_px = {kMapWidth, kMapWidth * screen.size_px.y / screen.size_px.x}, .rgb = {}};
+  if (ground.frame) image = thumbnail(*ground.frame, std::min(kMapWidth, ground.frame->size_px.x));
+  const std::vector<float> map = gazeMap(screen, image.size_px, ground.path);
   const float most = std::max(*std::ranges::max_element(map), 1e-9f);
-  Image image = ground.frame ? fitted(style, *ground.frame) : Image{.size_px = size, .rgb = {}};
-  const glm::ivec2 image_px = image.size_px;
-  image.rgb.resize(3 * static_cast<std::size_t>(image_px.x) * image_px.y, 0);
-  for (int y = 0; y < image_px.y; ++y) {
-    for (int x = 0; x < image_px.x; ++x) {
-      std::uint8_t* const rgb = &image.rgb[3 * (static_cast<std::size_t>(y) * image_px.x + x)];
-      const float grey = kMapDim / 255.0f * (0.30f * rgb[0] + 0.59f * rgb[1] + 0.11f * rgb[2]);
-      // Between the four nearest values of the map.
-      const glm::vec2 at =
-          glm::clamp((glm::vec2(x, y) + 0.5f) * glm::vec2(size) / glm::vec2(image_px) - 0.5f,
-                     glm::vec2(0.0f), glm::vec2(size - 1));
-      const glm::ivec2 low = glm::min(glm::ivec2(at), glm::max(size - 2, glm::ivec2(0)));
-      const glm::ivec2 high = glm::min(low + 1, size - 1);
-      const glm::vec2 part = at - glm::vec2(low);
-      const auto value = [&](int column, int row) {
-        return map[static_cast<std::size_t>(row) * size.x + column];
-      };
-      const float heat =
-          glm::mix(glm::mix(value(low.x, low.y), value(high.x, low.y), part.x),
-                   glm::mix(value(low.x, high.y), value(high.x, high.y), part.x), part.y);
-      const float share = heat / most;
-      const glm::vec3 color = heatAt(style.colors, share < 0.01f ? 0.0f : share, grey);
-      for (int c = 0; c < 3; ++c) rgb[c] = static_cast<std::uint8_t>(std::lround(255 * color[c]));
-    }
+  image.rgb.resize(3 * map.size(), 0);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    std::uint8_t* const rgb = &image.rgb[3 * i];
+    const float grey = kMapDim / 255.0f * (0.30f * rgb[0] + 0.59f * rgb[1] + 0.11f * rgb[2]);
+    const float share = map[i] / most;
+    const glm::vec3 color = heatAt(style.colors, share < 0.01f ? 0.0f : share, grey);
+    for (int c = 0; c < 3; ++c) rgb[c] = static_cast<std::uint8_t>(std::lround(255 * color[c]));
   }
   FigurePicture picture{.image = std::move(image),
                         .size = screen.size_px,

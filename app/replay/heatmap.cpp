@@ -73,30 +73,16 @@ HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention
   return map;
 }
 
-std::string heatBarSvg(double most_s_per_m2) {
-  constexpr double kWidth = 470.0, kBar = 18.0, kHeight = 40.0, kSide = 48.0;
+std::string heatBarHtml(double most_s_per_m2) {
   constexpr int kStops = 12;
-  std::string svg = "<svg viewBox=\"0 0 " + decimal(kWidth, 0) + " " + decimal(kHeight, 0) +
-                    "\" style=\"max-width:" + decimal(kWidth, 0) +
-                    "px\" role=\"img\" aria-label=\"scale of the heatmap, from 0 to " +
-                    significant(most_s_per_m2, 3) +
-                    " s/m&sup2;\"><defs><linearGradient id=\"heat\">";
+  std::string colors;
   for (int i = 0; i <= kStops; ++i) {
-    const float share = static_cast<float>(i) / kStops;
-    svg += "<stop offset=\"" + decimal(double{share}, 3) + "\" stop-color=\"" +
-           hexOf(heatAt(ColorMap::inferno, share, 0.0f)) + "\"/>";
+    colors += ", " + hexOf(heatAt(ColorMap::inferno, static_cast<float>(i) / kStops, 0.0f));
   }
-  svg += "</linearGradient></defs><rect x=\"" + decimal(kSide, 0) + "\" width=\"" +
-         decimal(kWidth - 2.0 * kSide, 0) + "\" height=\"" + decimal(kBar, 0) +
-         "\" fill=\"url(#heat)\"/>";
-  for (const double share : {0.0, 0.5, 1.0}) {
-    svg += "<text x=\"" + decimal(kSide + share * (kWidth - 2.0 * kSide), 0) + "\" y=\"" +
-           decimal(kBar + 16.0, 0) +
-           "\" text-anchor=\"middle\" font-size=\"12\" fill=\"currentColor\">" +
-           (share == 1.0 ? "&ge; " : "") + significant(share * most_s_per_m2, 3) +
-           (share == 0.0 ? "" : " s/m&sup2;") + "</text>";
-  }
-  return svg + "</svg>\n";
+  return "<p class=\"quiet\">0 <span role=\"img\" aria-label=\"scale of the heatmap\" "
+         "style=\"display:inline-block;width:20rem;height:1rem;background:linear-gradient(to "
+         "right" +
+         colors + ")\"></span> &ge; " + significant(most_s_per_m2, 3) + " s/m&sup2;</p>\n";
 }
 
 std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze,

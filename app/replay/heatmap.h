@@ -29,8 +29,8 @@ struct HeatMap {
 HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s,
                   ColorMap colors = ColorMap::inferno);
 
-/// The scale of colours with its unit, an <svg> element.
-std::string heatBarSvg(double most_s_per_m2);
+/// The scale of colours with its unit, as HTML.
+std::string heatBarHtml(double most_s_per_m2);
 
 /// Pictures from where the observer was on average, and from the side, turned by 60 degrees about
 /// the middle of what was looked at. `GazeInScene::up` is upwards. None if no gaze met the scene.

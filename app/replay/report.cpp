@@ -5,16 +5,19 @@
 #include <fstream>
 #include <functional>
 #include <ranges>
+#include <sstream>
 #include <stdexcept>
 
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
 #include "app/record/quality_json.h"
 #include "app/record/tables.h"
+#include "app/replay/methods_text.h"
+#include "app/replay/report_explorer.h"
 #include "base/base64.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "gaze/focus/pupil.h"
+#include "gaze/sources/trials.h"
 #include "render/optics/defocus.h"
 
 namespace foci {
@@ -26,11 +29,6 @@ std::string stateMark(GazeState state) {
 }
 
 std::string percent(double share) { return decimal(100.0 * share, 1) + "&thinsp;%"; }
-
-std::string distanceText(double focus_D) {
-  if (focus_D < -0.01) return "behind the eye";
-  return focus_D < 0.01 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
-}
 
 /// What the run is, as plain text: "lion.ply, seen by gaze.tsv".
 std::string nameOfRun(const Study& study, const GazeTrace& trace) {
@@ -122,35 +120,6 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   return html + "</div>\n";
 }
 
-/// "" for a fixed pupil.
-std::string pupilText(const Study& study) {
-  if (study.observer.pupil == PupilModel::recording) {
-    return " The pupil is the recorded one. It stays through blinks and data loss.";
-  }
-  if (study.observer.pupil != PupilModel::luminance) return "";
-  return " The pupil follows the luminance of the images on a screen whose white has " +
-         decimal(study.screen.luminance_cd_m2, 0) + " cd/m&sup2; and that fills " +
-         decimal(fieldArea_deg2(study.screenInForce()), 0) +
-         " square degrees, in a dark room (Watson and Yellott 2012).";
-}
-
-std::string eyeText(const Study& study) {
-  const Study::Observer& observer = study.observer;
-  std::string text;
-  if (observer.sphere_D != 0.0 || observer.cylinder_D != 0.0) {
-    text += " The observer's prescription is " + decimal(observer.sphere_D, 2) + " D";
-    if (observer.cylinder_D != 0.0) {
-      text += ", cylinder " + decimal(observer.cylinder_D, 2) + " D, axis " +
-              decimal(observer.axis_deg, 0) + "&deg;";
-    }
-    text += observer.corrected
-                ? "; the observer wears it."
-                : "; the observer does not wear it, and the focus is the mean over all meridians.";
-  }
-  if (observer.chromatic) text += " Red, green and blue each have their own focus.";
-  return text;
-}
-
 }  // namespace
 
 std::string focusText(const Study& study, const ReportFacts& facts) {
@@ -182,21 +151,6 @@ std::string toleranceText(const Study& study, const ReportFacts& facts) {
 
 namespace {
 
-std::string focusText(const Study& study) {
-  if (study.focus.fixed_D) {
-    return "Its focus is fixed at " + decimal(*study.focus.fixed_D, 2) + " D (" +
-           distanceText(*study.focus.fixed_D) + "), whatever it looks at.";
-  }
-  const AccommodationSettings& accommodation = study.focus.accommodation;
-  return "The eye focuses on the nearest surface that fills " +
-         decimal(100.0 * study.focus.coverage, 0) + "&thinsp;% of a cone of " +
-         decimal(study.focus.cone_deg, 2) + "&deg; around the line of sight; " +
-         (accommodation.on ? "its focus follows after " + decimal(accommodation.latency_s, 2) +
-                                 " s, with a time constant of " +
-                                 decimal(accommodation.time_constant_s, 2) + " s."
-                           : std::string("its focus jumps at once."));
-}
-
 /// What one dioptre of defocus does, and how the focus is chosen.
 std::string opticsText(const Study& study, const ReportFacts& facts) {
   const Screen screen = study.screenInForce();
@@ -212,8 +166,8 @@ std::string opticsText(const Study& study, const ReportFacts& facts) {
          " arcmin wide: " + decimal(angle_rad * screen.distance_m * px_per_m, 2) +
          " px on the screen, " +
          decimal(2e6 * retinalRadius_m(pupil_m, study.observer.retina_mm / 1000.0, 0.0, 1.0), 1) +
-         " &micro;m on the retina. " + focusText(study) + pupilText(study) + eyeText(study) +
-         " Rendered by method <i>" + escaped(study.render.method) + "</i>.</p>\n";
+         " &micro;m on the retina." + escaped(eyeSentences(study)) + " Rendered by method <i>" +
+         escaped(study.render.method) + "</i>.</p>\n";
 }
 
 std::string dataLossText(const ReportFacts& facts) {
@@ -252,6 +206,14 @@ std::string configuration(const Study& study, bool changes) {
   return html + "</table></details>\n";
 }
 
+std::string methodsSection(const GazeTrace& trace, const ReportFacts& facts) {
+  const MethodsText text = methodsOf(trace, facts);
+  std::istringstream lines(text.markdown + "\n" + text.bibtex);
+  std::string html = "<details><summary>Methods and references, ready to paste</summary><pre>";
+  for (std::string line; std::getline(lines, line);) html += escaped(line) + "\n";
+  return html + "</pre></details>\n";
+}
+
 void embedVideo(std::ostream& out, const std::filesystem::path& video) {
   std::ifstream in(video, std::ios::binary);
   if (!in) throw std::runtime_error("cannot read " + video.string());
@@ -270,8 +232,9 @@ void embedVideo(std::ostream& out, const std::filesystem::path& video) {
 void contactSheet(std::ostream& out, const ReportFacts& facts) {
   out << "<div class=\"sheet\">\n";
   for (const SheetImage& image : facts.sheet) {
-    out << "<figure><img alt=\"frame at " << decimal(image.time_s, 2)
-        << " s\" src=\"data:image/jpeg;base64,";
+    out << "<figure class=\"seek\" data-at=\"" << decimal(image.time_s, 4) << "\" data-trial=\""
+        << escaped(trialAt(facts.trials, image.time_s)) << "\"><img alt=\"frame at "
+        << decimal(image.time_s, 2) << " s\" src=\"data:image/jpeg;base64,";
     Base64 base64(out);
     base64.add(image.jpeg.data(), image.jpeg.size());
     base64.finish();
@@ -297,7 +260,8 @@ std::string objectsText(const std::vector<ObjectLooks>& objects) {
                            [](const ObjectLooks* one) { return one->dwell_s; });
   constexpr std::size_t kMost = 40;
   std::string text =
-      "<h2>What the gaze met</h2>\n<div class=\"wide\"><table><tr><th>object</th><th>first look, "
+      "<h2 id=\"objects\">What the gaze met</h2>\n<div "
+      "class=\"wide\"><table><tr><th>object</th><th>first look, "
       "s</th><th>dwell time, s</th><th>fixations</th><th>visits</th><th>mean distance, "
       "m</th></tr>\n";
   for (std::size_t i = 0; i < std::min(seen.size(), kMost); ++i) {
@@ -317,9 +281,33 @@ std::string objectsText(const std::vector<ObjectLooks>& objects) {
   return text;
 }
 
+/// Links to the sections.
+std::string contents(const ReportFacts& facts) {
+  std::string html = "<p class=\"quiet\">";
+  const auto link = [&](const char* id, const char* title) {
+    html += std::string("<a href=\"#") + id + "\">" + title + "</a> ";
+  };
+  link("saw", "What the eye saw");
+  link("sheet", "Contact sheet");
+  if (facts.objects.size() > 1) link("objects", "What the gaze met");
+  if (!facts.heat.empty()) link("heat", "Where gaze rested");
+  link("time", "Over time");
+  link("fixations", "Fixations");
+  return html + "</p>\n";
+}
+
+std::string tableLinks() {
+  std::string html = "<p>Tables:";
+  for (const char* file : {"fixations.tsv", "saccades.tsv", "events.tsv", "frames.tsv",
+                           "gaze3d.tsv", "objects.tsv", "methods.md", "references.bib"}) {
+    html += std::string(" <a href=\"") + file + "\">" + file + "</a>";
+  }
+  return html + "</p>\n";
+}
+
 void heatSection(std::ostream& out, const ReportFacts& facts) {
   if (facts.heat.empty()) return;
-  out << "<h2>Where gaze rested</h2>\n<div class=\"pair\">\n";
+  out << "<h2 id=\"heat\">Where gaze rested</h2>\n<div class=\"pair\">\n";
   for (const HeatPicture& picture : facts.heat) {
     out << "<figure><img alt=\"heatmap " << escaped(picture.caption)
         << "\" src=\"data:image/jpeg;base64,";
@@ -330,7 +318,7 @@ void heatSection(std::ostream& out, const ReportFacts& facts) {
     out << "\"><figcaption>" << escaped(picture.caption) << "</figcaption></figure>\n";
   }
   out << "</div>\n"
-      << heatBarSvg(facts.most_heat_s_per_m2)
+      << heatBarHtml(facts.most_heat_s_per_m2)
       << "<p class=\"quiet\">Seconds of gaze per square metre of the surface; grey was not looked "
          "at. "
          "The scale ends at what 1 % of the time exceeds.</p>\n";
@@ -344,20 +332,22 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
   const std::vector<RunMark> marks = marksOf(facts.run);
   const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks);
   std::ofstream out(file, std::ios::binary);
-  out << pageStart(nameOfRun(study, trace) + " - foci replay", "") << headline(study, trace, facts)
-      << "<h2>What the eye saw</h2>\n";
+  out << pageStart(nameOfRun(study, trace) + " - foci replay", kExplorerStyle)
+      << headline(study, trace, facts) << contents(facts) << trialChoice(facts.trials)
+      << "<h2 id=\"saw\">What the eye saw</h2>\n";
   embedVideo(out, video);
   out << opticsText(study, facts)
-      << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at "
+      << "<h2 id=\"sheet\">Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay "
+         "the frame at "
          "which a "
          "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "
          "fixate.</p>\n";
   contactSheet(out, facts);
   out << objectsText(facts.objects);
   heatSection(out, facts);
-  out << "<h2>Over time</h2>\n";
+  out << "<h2 id=\"time\">Over time</h2>\n";
   if (charts.image) {
-    out << legend(marks) << *charts.image;
+    out << legend(marks) << "<div id=\"charts\">" << *charts.image << "</div>\n";
   } else {
     out << "<p class=\"notice\">No charts: " << escaped(charts.problem) << ".</p>\n";
   }
@@ -365,10 +355,13 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
          "the "
          "recording's clock.</p>\n"
       << marksTable(marks) << dataLossText(facts)
+      << "<h2 id=\"fixations\">Fixations</h2>\n<p class=\"quiet\">A click on a row, on a frame of "
+         "the contact sheet or on the charts moves the video there.</p>\n"
+      << fixationRows(facts.fixations) << tableLinks() << methodsSection(trace, facts)
       << configuration(study, !facts.run.changes.empty()) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads") << ", rendered on " << escaped(facts.device)
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
-      << kPageEnd;
+      << explorerScript(facts.rows, facts.trials, facts.rows.front().time_s) << kPageEnd;
   out.close();
   if (!out) throw std::runtime_error(cannotWrite(file));
   return charts.problem;

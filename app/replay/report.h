@@ -32,6 +32,8 @@ struct ReportFacts {
   double first_over_s = 0.0;    ///< time of the first such frame
   double worst_error = 0.0;     ///< largest predicted error, just-noticeable differences
   double pupil_min_mm = 0.0, pupil_max_mm = 0.0;
+  std::string fixations;             ///< the text of fixations.tsv
+  std::vector<TraceTrial> trials;    ///< in order of their beginnings
   std::vector<ObjectLooks> objects;  ///< `GazeInScene::objects`
   std::vector<HeatPicture> heat;     ///< none: no heatmap was asked for
   double most_heat_s_per_m2 = 0.0;   ///< `HeatMap::most_s_per_m2`

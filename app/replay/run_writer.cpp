@@ -11,6 +11,7 @@
 #include "app/replay/frame_maps.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"
+#include "app/replay/methods_text.h"
 #include "app/replay/report.h"
 #include "app/study/study_words.h"
 #include "render/image/image_file.h"
@@ -20,7 +21,8 @@ namespace {
 
 constexpr const char *kVideo = "video.mp4", *kFrames = "frames.tsv", *kEvents = "events.tsv",
                      *kManifest = "manifest.json", *kReport = "report.html",
-                     *kSights = "gaze3d.tsv", *kObjects = "objects.tsv";
+                     *kSights = "gaze3d.tsv", *kObjects = "objects.tsv", *kMethods = "methods.md",
+                     *kReferences = "references.bib";
 constexpr const char *kImage = "frame-", *kImageEnd = ".png";  // the frame's number is between
 
 /// Counts the samples of the replayed time, and those without a gaze point.
@@ -90,7 +92,7 @@ std::vector<std::filesystem::path> RunWriter::files(const Study& study,
   std::vector<std::filesystem::path> files;
   if (study.output.images || !study.output.maps.empty()) files = imagesIn(out);
   for (const char* name : {kVideo, kFrames, kEvents, kFixationTable, kSaccadeTable, kSights,
-                           kObjects, kManifest, kReport}) {
+                           kObjects, kManifest, kReport, kMethods, kReferences}) {
     files.push_back(out / name);
   }
   return files;
@@ -145,12 +147,14 @@ RunResult RunWriter::finish(const RunFacts& run) {
   const GazeInScene in_scene =
       lookIntoScene(study_, gaze_, cloud_, judged, run.heatmap.has_value());
   folder_.write(kEvents, eventTable(events, gaze_.trials, study_.gaze.events.detector));
-  folder_.write(kFixationTable, fixationTable(study_, gaze_, judged, in_scene, eyes_));
+  ReportFacts facts;
+  facts.fixations = fixationTable(study_, gaze_, judged, in_scene, eyes_);
+  facts.trials = gaze_.trials;
+  folder_.write(kFixationTable, facts.fixations);
   folder_.write(kSaccadeTable, saccadeTable(study_, gaze_, judged, in_scene));
   folder_.write(kSights, sightTable(in_scene, gaze_.trials, gaze_.trace.pupil_unit));
   folder_.write(kObjects, objectTable(in_scene, gaze_.trials));
 
-  ReportFacts facts;
   facts.threads = run.threads;
   facts.device = run.device;
   countDataLoss(gaze_.trace, schedule, facts);
@@ -189,6 +193,9 @@ RunResult RunWriter::finish(const RunFacts& run) {
                                          .warnings = facts.warnings,
                                          .inputs = run.inputs,
                                          .frames_sha256 = hash_.hex()}));
+  const MethodsText methods = methodsOf(gaze_.trace, facts);
+  folder_.write(kMethods, methods.markdown);
+  folder_.write(kReferences, methods.bibtex);
   const std::string problem = writeReport(folder_.stage(kReport), video_file_, gaze_.trace, facts);
   if (!problem.empty()) say("the report has no charts: " + problem);
   folder_.commit();

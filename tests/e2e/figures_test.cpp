@@ -12,7 +12,7 @@
 #include "tests/temporary_folder.h"
 
 namespace foci::e2e {
-namespace {
+namespace FOCI_FILE {
 
 namespace fs = std::filesystem;
 
@@ -113,6 +113,48 @@ TEST_F(Figures, OfOneTrialAreMadeWithoutTheRecording) {
   EXPECT_NE(changed.err.find("trace.tsv: has changed since the run"), std::string::npos)
       << changed.err;
   fs::rename(folder.path() / "away.tsv", folder.path() / "trace.tsv");
+}
+
+/// The words of a text that begin behind `mark` and go on up to one of `ends`.
+std::set<std::string> wordsBehind(const std::string& mark, const std::string& ends,
+                                  const std::string& text) {
+  std::set<std::string> words;
+  for (std::size_t at = 0; (at = text.find(mark, at)) != text.npos;) {
+    at += mark.size();
+    words.insert(text.substr(at, text.find_first_of(ends, at) - at));
+  }
+  return words;
+}
+
+TEST_F(Figures, StandBesideMethodsThatCiteTheirSources) {
+  const auto check = [&](const std::string& run) {
+    const std::string methods = folder.read(run + "/methods.md");
+    std::string entries = folder.read(run + "/references.bib");
+    for (char& c : entries) c = c == '{' ? '\n' : c;
+    std::set<std::string> cited = wordsBehind("@", "];.", methods);
+    cited.erase("");  // the example of the comment
+    std::set<std::string> listed;
+    for (const std::string kind :
+         {"@software\n", "@inproceedings\n", "@techreport\n", "@article\n"}) {
+      listed.merge(wordsBehind(kind, ",", entries));
+    }
+    EXPECT_EQ(cited, listed) << methods;
+    return methods;
+  };
+  const std::string plain = check("run");
+  EXPECT_NE(plain.find("640 × 480 px and 0.400 × 0.300 m, seen from 0.50 m"), plain.npos) << plain;
+  EXPECT_NE(plain.find("found 8 fixations"), plain.npos) << plain;
+  EXPECT_NE(plain.find("`output.fps` = 10"), plain.npos) << plain;
+  EXPECT_EQ(plain.find("observer.chromatic"), plain.npos) << plain;
+  const Outcome run =
+      foci({"replay", "study.toml", "--out", "eye", "--set", "observer.chromatic=true", "--set",
+            "gaze.detector=\"ivt\"", "--set", "observer.age_years=40"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string other = check("eye");
+  for (const char* words : {"@thibos1992", "@salvucci2000", "@berrio2010", "at least 30 deg/s",
+                            "`observer.age_years` = 40"}) {
+    EXPECT_NE(other.find(words), other.npos) << words << '\n' << other;
+  }
 }
 
 }  // namespace

@@ -49,8 +49,8 @@ TEST_F(Replay, WritesItsFilesAndNothingElse) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(filesIn(folder.path() / "deep/out"),
             (std::set<std::string>{".foci-outputs", "events.tsv", "fixations.tsv", "frames.tsv",
-                                   "gaze3d.tsv", "manifest.json", "objects.tsv", "report.html",
-                                   "saccades.tsv", "video.mp4"}));
+                                   "gaze3d.tsv", "manifest.json", "methods.md", "objects.tsv",
+                                   "references.bib", "report.html", "saccades.tsv", "video.mp4"}));
   EXPECT_EQ(folder.read("deep/out/video.mp4").substr(4, 4), "ftyp");
   EXPECT_NE(folder.read("deep/out/video.mp4").find("avc1"), std::string::npos);
 }
@@ -302,7 +302,7 @@ TEST_F(Replay, OverwritesOnlyItsOwnFiles) {
   EXPECT_EQ(folder.read("out/frames.tsv"), "mine");
   ASSERT_EQ(replay("out", {"--overwrite"}).exit_code, 0);
   EXPECT_EQ(tableOf(folder.read("out/frames.tsv")).size(), 7u);
-  EXPECT_EQ(filesIn(folder.path() / "out").size(), 11u);  // nine, notes and .foci-outputs
+  EXPECT_EQ(filesIn(folder.path() / "out").size(), 13u);  // eleven, notes and .foci-outputs
 }
 
 TEST_F(Replay, LeavesNothingWhenItCannotWrite) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 /// CIE lightness of sRGB codes over 255, white 100 (IEC 61966-2-1).
 double lightnessOf(const glm::vec3& code) {

@@ -6,7 +6,7 @@
 #include <glm/gtc/constants.hpp>
 
 namespace foci {
-namespace {
+namespace FOCI_FILE {
 
 TEST(GazeMap, HoldsTheTimeOfTheFixations) {
   const Screen screen{.size_px = {640, 480}, .size_m = {0.4, 0.3}, .distance_m = 0.5};

@@ -85,7 +85,7 @@ TEST(HeatMap, StatesItsScaleInSecondsPerSquareMetre) {
   const Looked looked({0.0f, 0.0f, -1.0f}, {0.0f, 1.0f, 0.0f});
   const HeatMap map = heatMapOf(looked.cloud, looked.gaze.attention_s);
   EXPECT_NEAR(map.most_s_per_m2, 0.01 / (0.03 * 0.03), 0.01);
-  EXPECT_NE(heatBarSvg(map.most_s_per_m2).find("11.1 s/m&sup2;"), std::string::npos);
+  EXPECT_NE(heatBarHtml(map.most_s_per_m2).find("11.1 s/m&sup2;"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,171 @@
+#include "app/replay/report_explorer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "app/graphics/html.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+/// `run` and `charts`, `$` for the element of an id. Each chart is an SVG across its panels from
+/// `left` to `right`, shares of its width.
+constexpr const char* kScript = R"(
+const video = document.querySelector('video'), chart = document.querySelector('#charts svg');
+const picked = document.getElementById('trial'), tip = document.getElementById('tip');
+const last = run.rows.length - 1, from = run.rows[0][0], to = Math.max(run.rows[last][0], from + 1e-3);
+const ns = 'http://www.w3.org/2000/svg', shapes = [];
+function seek(time) {
+  video.currentTime = Math.max(0, time - run.first);
+  video.scrollIntoView({ block: 'nearest' });
+}
+function xOf(time) {
+  const share = Math.min(1, Math.max(0, (time - from) / (to - from)));
+  return chart.viewBox.baseVal.width * (run.left + (run.right - run.left) * share);
+}
+function shape(x, width, paint) {
+  const rect = document.createElementNS(ns, 'rect'), box = chart.viewBox.baseVal;
+  for (const [name, value] of Object.entries({ x, width: Math.max(0, width), y: 0, height: box.height,
+       'pointer-events': 'none', ...paint })) rect.setAttribute(name, value);
+  return chart.appendChild(rect);
+}
+const cursor = chart && shape(xOf(from), 1.5, { fill: '#c94a4a' });
+function show(name) {
+  for (const one of document.querySelectorAll('[data-trial]')) {
+    one.hidden = name !== null && one.dataset.trial !== name;
+  }
+  shapes.splice(0).forEach(one => one.remove());
+  if (!chart || name === null) return;
+  let end = from;
+  for (const trial of run.trials.filter(one => one.name === name)) {
+    shapes.push(shape(xOf(end), xOf(trial.first) - xOf(end), { fill: 'var(--ground)', opacity: .75 }));
+    end = trial.last;
+  }
+  shapes.push(shape(xOf(end), xOf(to) - xOf(end), { fill: 'var(--ground)', opacity: .75 }));
+}
+if (picked) picked.onchange = () => {
+  const name = picked.selectedIndex ? picked.value : null, trial = run.trials.find(one => one.name === name);
+  show(name);
+  if (trial) seek(trial.first);
+};
+for (const row of document.querySelectorAll('[data-at]')) row.onclick = () => seek(+row.dataset.at);
+if (video && cursor) setInterval(() => cursor.setAttribute('x', xOf(run.first + video.currentTime)), 50);
+function timeAt(event) {
+  const box = chart.getBoundingClientRect(), share = (event.clientX - box.left) / box.width;
+  return from + (to - from) * Math.min(1, Math.max(0, (share - run.left) / (run.right - run.left)));
+}
+if (chart) {
+  chart.style.cursor = 'crosshair';
+  chart.onclick = event => seek(timeAt(event));
+  chart.onmouseleave = () => { tip.hidden = true; };
+  chart.onmousemove = event => {
+    const time = timeAt(event), after = run.rows.findIndex(one => one[0] >= time);
+    const row = run.rows[after < 0 ? last : after];
+    tip.textContent = run.names.map((name, i) => name + ' ' + (row[i] === null ? 'n/a' : row[i])).join(', ');
+    tip.hidden = false;
+    tip.style.left = Math.min(event.clientX + 14, innerWidth - tip.offsetWidth - 8) + 'px';
+    tip.style.top = event.clientY + 14 + 'px';
+  };
+}
+)";
+
+std::string json(double value, int digits) {
+  return std::isfinite(value) ? decimal(value, digits) : "null";
+}
+
+/// A text in a script of a page.
+std::string scriptText(const std::string& text) {
+  std::string quoted;
+  for (const char c : quotedText(visible(text))) quoted += c == '<' ? "\\u003c" : std::string(1, c);
+  return quoted;
+}
+
+std::vector<std::string> fieldsOf(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream in(line);
+  for (std::string field; std::getline(in, field, '\t');) fields.push_back(field);
+  return fields;
+}
+
+}  // namespace
+
+const char* const kExplorerStyle = R"(
+.seek { cursor: pointer; } .seek:hover { background: var(--card); } .scroll { max-height: 26rem; overflow: auto; }
+#tip { position: fixed; background: var(--card); border: 1px solid var(--line); border-radius: 4px; margin: 0;
+  padding: .2rem .5rem; font-size: .8rem; pointer-events: none; font-variant-numeric: tabular-nums; }
+a { color: inherit; } [hidden] { display: none !important; }
+)";
+
+std::string trialChoice(const std::vector<TraceTrial>& trials) {
+  std::set<std::string> seen;
+  std::string options;
+  for (const TraceTrial& trial : trials) {
+    if (seen.insert(trial.name).second) options += "<option>" + escaped(trial.name) + "</option>";
+  }
+  if (options.empty()) return "";
+  return "<p><label>Trial <select id=\"trial\"><option>all</option>" + options +
+         "</select></label></p>\n";
+}
+
+std::string fixationRows(const std::string& table) {
+  constexpr std::size_t kMost = 2000;
+  constexpr std::array<std::pair<const char*, const char*>, 11> kShown{
+      {{"fixation", "no."},
+       {"trial", "trial"},
+       {"onset_s", "onset, s"},
+       {"duration_s", "duration, s"},
+       {"x_deg", "x, deg"},
+       {"y_deg", "y, deg"},
+       {"object", "object"},
+       {"distance_m", "distance, m"},
+       {"surface_D", "surface, D"},
+       {"focus_D", "focus, D"},
+       {"blur_radius_arcmin", "blur radius, arcmin"}}};
+  std::istringstream lines(table);
+  std::string line, html;
+  std::getline(lines, line);
+  const std::vector<std::string> names = fieldsOf(line);
+  const auto at = [&](const char* name) {
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  };
+  html = "<div class=\"scroll\"><table><tr>";
+  for (const auto& [name, title] : kShown) html += std::string("<th>") + title + "</th>";
+  html += "</tr>\n";
+  for (std::size_t i = 0; i < kMost && std::getline(lines, line); ++i) {
+    const std::vector<std::string> fields = fieldsOf(line);
+    html += "<tr class=\"seek\" data-trial=\"" + escaped(fields.at(at("trial"))) + "\" data-at=\"" +
+            escaped(fields.at(at("onset_s"))) + "\">";
+    for (const auto& [name, title] : kShown) {
+      html += "<td class=\"value\">" + escaped(fields.at(at(name))) + "</td>";
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+std::string explorerScript(const std::vector<ChartRow>& rows, const std::vector<TraceTrial>& trials,
+                           double first_s) {
+  const glm::dvec2 sides = panelSides(reportStyle());
+  std::string text =
+      "<p id=\"tip\" hidden></p>\n<script>\nconst run = {first: " + decimal(first_s, 6) +
+      ", left: " + decimal(sides.x, 5) + ", right: " + decimal(sides.y, 5) +
+      ",\nnames: ['time, s', 'x, px', 'y, px', 'surface, D', 'focus, D', 'pupil, "
+      "mm'],\ntrials: [";
+  for (const TraceTrial& trial : trials) {
+    text += "{name: " + scriptText(trial.name) + ", first: " + json(trial.first_s, 6) +
+            ", last: " + json(trial.last_s, 6) + "},";
+  }
+  text += "],\nrows: [";
+  for (const ChartRow& row : rows) {
+    text += "[" + json(row.time_s, 3) + "," + json(row.gaze_x_px, 0) + "," +
+            json(row.gaze_y_px, 0) + "," + json(row.surface_D, 2) + "," + json(row.focus_D, 2) +
+            "," + json(row.pupil_mm, 2) + "],";
+  }
+  return text + "]};\n" + kScript + "</script>\n";
+}
+
+}  // namespace foci

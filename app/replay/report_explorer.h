@@ -1,0 +1,27 @@
+// What a reader of report.html can do without a server: choose a trial, click on a fixation or a
+// plot to move the video there, and read values under the pointer.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/replay/report_charts.h"
+#include "gaze/geometry/gaze_sample.h"
+
+namespace foci {
+
+extern const char* const kExplorerStyle;
+
+/// A list of the trials to choose from; "" for a run without trials.
+std::string trialChoice(const std::vector<TraceTrial>& trials);
+
+/// A row for each fixation, with its trial and time for the script.
+/// @param table  the text of fixations.tsv
+std::string fixationRows(const std::string& table);
+
+/// The script, with the values of the charts.
+/// @param first_s  time of the video's first frame
+std::string explorerScript(const std::vector<ChartRow>& rows, const std::vector<TraceTrial>& trials,
+                           double first_s);
+
+}  // namespace foci
