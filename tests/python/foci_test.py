@@ -4,7 +4,9 @@
 """
 
 import math
+import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -42,6 +44,16 @@ class NameTest(unittest.TestCase):
         types = [getattr(foci, name) for name in foci.__all__ if isinstance(getattr(foci, name), type)]
         self.assertGreater(len(types), 8)
         self.assertEqual({each.__module__ for each in types}, {"foci"})
+
+    def test_the_package_runs_as_a_command(self):
+        """A wheel's command lies beside the module, and adds its commit; a module alone knows only its version."""
+        def run(*words):
+            return subprocess.run([sys.executable, "-m", "foci", *words], env={**os.environ, "PATH": ""},
+                                  capture_output=True, text=True)
+
+        self.assertRegex(run("--version").stdout, rf"^foci {re.escape(foci.__version__)}( \(.+\))?\n$")
+        if not pathlib.Path(foci.__file__).with_name("foci").exists():
+            self.assertIn("the command foci is not installed", run("methods").stderr)
 
 
 class RenderTest(unittest.TestCase):
