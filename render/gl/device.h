@@ -1,5 +1,5 @@
-// The GPU: an OpenGL 4.5 context that one thread at a time makes current, its programs, and the stages
-// of a frame with their times.
+// The GPU: an OpenGL 4.5 context that one thread at a time makes current, its programs, and the
+// stages of a frame with their times.
 #pragma once
 
 #include <algorithm>

@@ -96,11 +96,11 @@ void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
 /// The nodes of one tree level as kernels on the surface, for checking that they sum to one.
 ///
 /// A node's weight is the sum of its surfels' areas; no solve is needed. The surfels' kernels are
-/// solved to sum to one (render/normalisation/weights.h). A node has the integral, mean and variance of its surfels
-/// together. It is rendered only where the variance of blur or prefilter is at least 33 times the
-/// variance that merging added. `LevelKernels` tests bound the sums' deviation on a jittered plane.
-/// A disc that is sampled by some forty nodes has more ripple, but so it has on a regular grid,
-/// where all weights are equal.
+/// solved to sum to one (render/normalisation/weights.h). A node has the integral, mean and
+/// variance of its surfels together. It is rendered only where the variance of blur or prefilter is
+/// at least 33 times the variance that merging added. `LevelKernels` tests bound the sums'
+/// deviation on a jittered plane. A disc that is sampled by some forty nodes has more ripple, but
+/// so it has on a regular grid, where all weights are equal.
 struct LevelKernels {
   SurfelCloud surfels;          ///< axes from the surfels' own share of the variance
   std::vector<float> added_m2;  ///< variance that merging added, along an axis

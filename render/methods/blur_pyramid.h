@@ -1,7 +1,7 @@
 // The sharp images of the views at which an eye rested last, and how method `auto` blurs them in
-// milliseconds, for any focus and pupil: by the reverse-mapped z-buffer of Demers, Depth of Field: A
-// Survey of Techniques, GPU Gems, 2004. Known failure, as in `rokita`: a pixel gathers light by its
-// own blur, not by the blur of its neighbours. So a blurred surface keeps a sharp outline.
+// milliseconds, for any focus and pupil: by the reverse-mapped z-buffer of Demers, Depth of Field:
+// A Survey of Techniques, GPU Gems, 2004. Known failure, as in `rokita`: a pixel gathers light by
+// its own blur, not by the blur of its neighbours. So a blurred surface keeps a sharp outline.
 #pragma once
 
 #include <algorithm>

@@ -115,7 +115,8 @@ struct LensPart {
 /// the lens, and of the wavefront's slope over it. Computed once for each `n`: the cells of a dense
 /// sampling of the disc nearest to `n` points, each of which is the mean of its cell (Lloyd, 1982).
 /// Where diffraction shows, the parts have the light of its core, which is less near the rim
-/// (`LightInCore`); their mean has yet to be spread into the halos (render/methods/mean_of_parts.h).
+/// (`LightInCore`); their mean has yet to be spread into the halos
+/// (render/methods/mean_of_parts.h).
 /// @param n  1 to 256; 1 has no core and halos
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n);
 

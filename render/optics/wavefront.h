@@ -1,7 +1,7 @@
-// The eye's wavefront error as Zernike coefficients, and its slope and curvature over the pupil; and
-// the error of a typical eye. Order, signs and units follow OSA and ANSI Z80.28 (Thibos, Applegate,
-// Schwiegerling and Webb, Standards for Reporting the Optical Aberrations of Eyes, Journal of
-// Refractive Surgery 18, 2002).
+// The eye's wavefront error as Zernike coefficients, and its slope and curvature over the pupil;
+// and the error of a typical eye. Order, signs and units follow OSA and ANSI Z80.28 (Thibos,
+// Applegate, Schwiegerling and Webb, Standards for Reporting the Optical Aberrations of Eyes,
+// Journal of Refractive Surgery 18, 2002).
 #pragma once
 
 #include <glm/glm.hpp>

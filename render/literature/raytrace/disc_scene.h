@@ -1,5 +1,5 @@
-// Surfels on the pinhole image, and which of them a pixel sees through a point of the lens, found by
-// Embree.
+// Surfels on the pinhole image, and which of them a pixel sees through a point of the lens, found
+// by Embree.
 #pragma once
 
 #include <cstdint>

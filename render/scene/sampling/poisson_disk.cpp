@@ -163,7 +163,8 @@ class Thrower {
         Met met = {kNone, kNone};
         for (std::size_t round = from; round < to; ++round) {
           const std::uint64_t number = 2 * (std::uint64_t{round} * count + k);
-          const double at_m2 = upTo_m2(k, static_cast<double>(randomBits(number - 1) >> 11) * 0x1p-53);
+          const double at_m2 =
+              upTo_m2(k, static_cast<double>(randomBits(number - 1) >> 11) * 0x1p-53);
           auto triangle = low;
           while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
           if (triangle == sums_m2_.end()) continue;  // by rounding
