@@ -8,7 +8,7 @@
 #include <string>
 
 #include <foci/calibration/gaze_map/fit_gaze_map.h>
-#include <foci/calibration/gaze_map/gaze_map_file.h>
+#include <foci/calibration/gaze_map/gaze_map.h>
 
 int main(int argc, char** argv) try {
   if (argc != 3) {

@@ -4,9 +4,9 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
-#include "calibration/gaze_map/accuracy.h"
 #include "calibration/gaze_map/fit_gaze_map.h"
-#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/gaze_map/gaze_map.h"
+#include "calibration/gaze_map/gaze_report.h"
 #include "python/bindings.h"
 #include "python/samples.h"
 

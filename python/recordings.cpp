@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "gaze/events/event_labels.h"
 #include "gaze/events/recording_quality.h"
-#include "gaze/geometry/default_screen.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
 #include "gaze/sources/trace_summary.h"
 #include "python/samples.h"

@@ -10,11 +10,9 @@
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "calibration/binocular/binocular_map.h"
-#include "calibration/binocular/binocular_pairs.h"
 #include "calibration/binocular/fit_binocular.h"
 
 namespace foci {
-
 namespace {
 
 double meanOf(const std::vector<double>& values) {

@@ -11,7 +11,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/camera/camera.h"
-#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/gaze_map/gaze_map.h"
 #include "calibration/gaze_map/gaze_report.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/webcam/webcam_calibration.h"

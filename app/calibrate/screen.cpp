@@ -10,7 +10,6 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "calibration/calibration_file.h"
-#include "calibration/screen/monitor.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/screen/screen_size.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/calibrate/options.h"
-#include "calibration/camera/board.h"
+#include "calibration/camera/fit_camera.h"
 #include "calibration/gaze_map/gaze_report.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/webcam/webcam_calibration.h"

@@ -15,7 +15,6 @@
 #include "app/study/study_words.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/events/agreement.h"
 #include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
 #include "gaze/events/recording_quality.h"

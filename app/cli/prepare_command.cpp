@@ -14,7 +14,7 @@
 #include "app/study/study.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/geometry/default_screen.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "render/scene/io/open_scene.h"
 
 namespace foci {

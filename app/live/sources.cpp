@@ -8,7 +8,7 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
-#include "calibration/webcam/webcam_recalibration.h"
+#include "calibration/webcam/webcam_calibration.h"
 #include "gaze/live/lsl_source.h"
 #include "gaze/webcam/webcam_source.h"
 #ifdef FOCI_PUPIL

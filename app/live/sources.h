@@ -9,7 +9,6 @@
 #include "app/platform/warnings.h"
 #include "app/study/study.h"
 #include "gaze/live/live_source.h"
-#include "gaze/live/pushed_source.h"
 
 namespace foci {
 

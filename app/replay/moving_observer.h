@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/replay/gaze_in_scene.h"
-#include "gaze/events/event_rules.h"
+#include "gaze/events/event_settings.h"
 #include "gaze/events/gaze_events.h"
 
 namespace foci {

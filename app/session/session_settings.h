@@ -11,7 +11,7 @@
 #include "app/session/stereo.h"
 #include "gaze/events/event_settings.h"
 #include "gaze/focus/accommodation.h"
-#include "gaze/geometry/default_screen.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "render/optics/colours.h"
 #include "render/optics/wavefront.h"
 

@@ -6,10 +6,9 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "gaze/geometry/headset.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
-
 namespace {
 
 glm::mat4 shifted(const glm::mat4& middle_from_world, double offset_m) {

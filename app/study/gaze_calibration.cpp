@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "calibration/camera/camera.h"
-#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/gaze_map/gaze_map.h"
 
 namespace foci {
 

@@ -5,7 +5,7 @@
 
 #include "base/quantile.h"
 #include "base/text.h"
-#include "gaze/geometry/head_frame.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/webcam/webcam_frames.h"
 
 namespace foci {

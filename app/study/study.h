@@ -15,7 +15,6 @@
 #include "app/session/session_settings.h"
 #include "gaze/events/event_settings.h"
 #include "gaze/focus/accommodation.h"
-#include "gaze/geometry/default_screen.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
 

@@ -1,9 +1,11 @@
-// Fits the display's pose and each eye's kappa to samples of a binocular tracker.
+// Fits the display's pose and each eye's kappa to a table of samples of a binocular tracker.
 #pragma once
 
+#include <filesystem>
 #include <span>
+#include <vector>
 
-#include "calibration/binocular/binocular.h"
+#include "calibration/binocular/binocular_map.h"
 
 namespace foci {
 
@@ -27,5 +29,16 @@ struct BinocularFit {
 /// @throws InputError with fewer than 20 samples or 3 targets, or where the samples do not separate
 ///   pose from kappa (deviations above 20 mm or 1 deg)
 BinocularFit fitBinocular(std::span<const BinocularSample> samples, const BinocularMap& nominal);
+
+/// Reads `left_origin_x_mm left_origin_y_mm left_origin_z_mm left_direction_x left_direction_y
+/// left_direction_z`, the same with `right_`, and `x_target_mm y_target_mm`.
+/// - Eye centres and directions (of any length) are in the tracker's frame.
+/// - Targets are on the display, from its centre, x right, y up.
+/// - A header row names the columns, in any order; other columns are ignored. Tabs, commas,
+///   semicolons or blanks separate them.
+/// - An eye with an absent field (`n/a`, `nan`, `.`, nothing) is data loss. The columns of one eye
+///   may be missing altogether.
+/// @throws InputError by file and line
+std::vector<BinocularSample> readBinocularPairs(const std::filesystem::path& file);
 
 }  // namespace foci

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "calibration/calibration_file.h"
-#include "calibration/camera/projection.h"
 
 namespace foci {
 

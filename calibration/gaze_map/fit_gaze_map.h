@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calibration/gaze_map/gaze_map.h"
-#include "calibration/gaze_map/gaze_pairs.h"
+#include "calibration/gaze_map/map_units.h"
 
 namespace foci {
 

@@ -1,11 +1,13 @@
 // Gaze maps: from the tracker's gaze to the point that the observer looks at. Polynomials in the
 // plane (Stampe 1993; Cerrolaza, Villanueva and Cabeza 2008), with the uncertainty of each
-// estimate.
+// estimate; and their files.
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -67,5 +69,11 @@ GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
 /// The map applied to a recording, whose points are pixels of `screen`. A map in `norm` uses its
 /// own screen for angles only.
 GazeTrace mapTrace(const GazeMap& map, const Screen& screen, GazeTrace trace);
+
+/// The map as commented TOML, every digit kept.
+std::string gazeMapToml(const GazeMap& map);
+
+/// @throws InputError by file and key
+GazeMap readGazeMap(const std::filesystem::path& file);
 
 }  // namespace foci

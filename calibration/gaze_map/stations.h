@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/gaze_map/gaze_pairs.h"
+#include "calibration/gaze_map/map_units.h"
 
 namespace foci {
 

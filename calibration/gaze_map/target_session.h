@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/gaze_map/gaze_pairs.h"
+#include "calibration/gaze_map/map_units.h"
 
 namespace foci {
 

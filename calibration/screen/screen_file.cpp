@@ -1,10 +1,12 @@
 #include "calibration/screen/screen_file.h"
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "base/input_error.h"
 #include "calibration/calibration_file.h"
-#include "calibration/screen/monitor.h"
 
 namespace foci {
 
@@ -45,6 +47,91 @@ ScreenCalibration readScreen(const std::filesystem::path& file) {
   if (in.has("display.distance_from")) calibration.distance_from = in.text("display.distance_from");
   in.refuseUnknownKeys();
   return calibration;
+}
+
+namespace {
+
+using Json = nlohmann::json;
+constexpr std::uintmax_t kMaxFile_bytes = 16 << 20;
+constexpr int kMaxDepth = 32;
+
+/// A finite number of `calibration[key]` in [low, high].
+double numberIn(const Json& calibration, const char* key, double low, double high,
+                const std::string& file) {
+  const auto found = calibration.find(key);
+  if (found == calibration.end()) throw InputError(file, std::string("no \"") + key + "\"");
+  const double value = found->is_number() ? found->get<double>() : -1.0;
+  if (!(value >= low && value <= high)) {
+    throw InputError(file, std::string(key) + " = " + found->dump().substr(0, 40) + ": expected " +
+                               Json(low).dump() + " to " + Json(high).dump() + " cm");
+  }
+  return value;
+}
+
+}  // namespace
+
+PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  requireRegularFile(file);
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(name, "cannot be read");
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(file, error);
+  if (error || bytes > kMaxFile_bytes) throw InputError(name, "not a PsychoPy monitor");
+  bool too_deep = false;
+  const auto shallow = [&](int depth, nlohmann::ordered_json::parse_event_t,
+                           nlohmann::ordered_json&) {
+    too_deep = too_deep || depth > kMaxDepth;
+    return !too_deep;
+  };
+  const auto document = nlohmann::ordered_json::parse(in, shallow, false);
+  if (document.is_discarded() || too_deep) throw InputError(name, "not JSON");
+
+  // A file holds one calibration, or several by name, of which the last counts.
+  const auto* calibration = &document;
+  if (document.is_object() && !document.empty() && !document.contains("sizePix")) {
+    calibration = &*std::prev(document.end());
+  }
+  if (!calibration->is_object()) throw InputError(name, "not a PsychoPy monitor");
+  const Json fields = *calibration;
+
+  auto size = fields.find("sizePix");
+  if (size == fields.end()) throw InputError(name, "no \"sizePix\": not a PsychoPy monitor");
+  // json_tricks wraps numpy arrays.
+  if (size->is_object() && size->contains("__ndarray__")) size = size->find("__ndarray__");
+  glm::ivec2 size_px{0};
+  for (int i = 0; i < 2 && size->is_array() && size->size() == 2; ++i) {
+    if ((*size)[i].is_number())
+      size_px[i] = static_cast<int>(std::clamp((*size)[i].get<double>(), 0.0, 1e6));
+  }
+  if (size_px.x < 16 || size_px.y < 16 || size_px.x > 16384 || size_px.y > 16384) {
+    throw InputError(
+        name, "sizePix = " + size->dump().substr(0, 40) + ": expected two of 16 to 16384 px");
+  }
+  const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
+  const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;
+  PsychoPyMonitor monitor{.screen = {.size_px = size_px,
+                                     .size_m = {width_m, width_m * size_px.y / size_px.x},
+                                     .distance_m = distance_m}};
+  const auto gamma = fields.find("gamma");
+  if (gamma != fields.end() && gamma->is_number()) {
+    const double value = gamma->get<double>();
+    if (!(value > 0.0 && value <= 4.0)) {
+      throw InputError(name, "gamma = " + gamma->dump().substr(0, 40) + ": expected 1 to 4");
+    }
+    if (value > 1.0) monitor.gamma = value;
+  }
+  return monitor;
+}
+
+std::string psychoPyMonitor(const Screen& screen, std::optional<double> gamma,
+                            const std::string& name) {
+  nlohmann::ordered_json calibration = {{"sizePix", {screen.size_px.x, screen.size_px.y}},
+                                        {"width", 100.0 * screen.size_m.x},
+                                        {"distance", 100.0 * screen.distance_m},
+                                        {"notes", "foci"}};
+  if (gamma) calibration["gamma"] = *gamma;
+  return nlohmann::ordered_json{{name, calibration}}.dump(2) + "\n";
 }
 
 }  // namespace foci

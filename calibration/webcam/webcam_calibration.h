@@ -1,8 +1,11 @@
-// A webcam's calibration, its fit and its file. It holds the map from features to the screen and
-// the reference view of the observer's head, against which the features are measured.
+// A webcam's calibration: its fit, its file, and its correction during use. It holds the map from
+// features to the screen and the reference view of the observer's head, against which the features
+// are measured.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +14,7 @@
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/gaze_report.h"
 #include "calibration/webcam/webcam_map.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/webcam/webcam_source.h"
 
 namespace foci {
@@ -68,5 +72,32 @@ std::string webcamCalibrationToml(const WebcamCalibration& calibration);
 
 /// @throws InputError by file and key
 WebcamCalibration readWebcamCalibration(const std::filesystem::path& file);
+
+/// Safe for two threads: one asks for gaze, the other reports clicks.
+class WebcamRecalibration {
+ public:
+  WebcamRecalibration(const WebcamMap& map, const Screen& screen)
+      : calibrated_(map), map_(map), screen_(screen) {}
+
+  /// Gaze by the current map.
+  WebcamGaze gazeOf(const WebcamView& view);
+
+  /// Fits the map again to the newest clicks, with the calibrated map as a faded prior
+  /// (`fitWebcamMap`).
+  /// @return false where no eyes were in view in the last 0.3 s; the map is then unchanged
+  bool click(const glm::dvec2& point_px);
+
+ private:
+  struct Seen {
+    WebcamView view;
+    std::chrono::steady_clock::time_point at;
+  };
+
+  std::mutex mutex_;
+  WebcamMap calibrated_, map_;
+  Screen screen_;
+  std::optional<Seen> seen_;
+  std::vector<WebcamSample> clicks_;  // oldest first
+};
 
 }  // namespace foci

@@ -1,12 +1,31 @@
 #include "gaze/events/event_model.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "base/input_error.h"
 #include "gaze/events/gaze_features.h"
-#include "gaze/events/pursuit_features.h"
+#include "gaze/events/pursuit.h"
+
+// The bytes of the model file become a part of the library, so that it opens no file.
+extern "C" {
+extern const char foci_event_model_begin[], foci_event_model_end[];
+}
+
+asm(R"(
+.section .rodata
+.balign 16
+.globl foci_event_model_begin
+foci_event_model_begin:
+.incbin ")" FOCI_EVENT_MODEL R"("
+.globl foci_event_model_end
+foci_event_model_end:
+.byte 0
+.text
+)");
 
 namespace foci {
 namespace {
@@ -189,6 +208,41 @@ EventModel unpackModel(std::string_view bytes, const std::string& name) {
   } catch (const nlohmann::json::exception&) {
     throw unpacker.damaged("its header is not complete");
   }
+}
+
+void BoostedTrees::probabilities(std::span<const float> values,
+                                 std::span<double> of_classes) const {
+  assert(values.size() == features && of_classes.size() == classes && classes <= 8);
+  const std::size_t inner = (std::size_t{1} << depth) - 1;
+  std::array<std::int32_t, 8> sums{};  // whole numbers: their order does not matter
+  for (std::size_t tree = 0; tree < trees(); ++tree) {
+    const Node* node = &nodes[tree * inner];
+    std::size_t at = 0;
+    for (std::size_t level = 0; level < depth; ++level) {
+      const Node each = node[at];
+      const bool right = each.bin != kNoSplit &&
+                         values[each.feature] > edges[each.feature * (kBins - 1) + each.bin];
+      at = 2 * at + 1 + (right ? 1 : 0);
+    }
+    sums[tree % classes] += leaves[(tree << depth) + at - inner];
+  }
+  double total = 0.0;
+  const std::int32_t most =
+      *std::max_element(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(classes));
+  for (std::size_t k = 0; k < classes; ++k) {
+    of_classes[k] =
+        std::exp(kLeafUnit * (sums[k] - most) + std::log(static_cast<double>(priors[k])));
+    total += of_classes[k];
+  }
+  for (double& each : of_classes) each /= total;
+}
+
+const EventModel& builtinEventModel() {
+  static const EventModel kModel =
+      unpackModel({foci_event_model_begin,
+                   static_cast<std::size_t>(foci_event_model_end - foci_event_model_begin)},
+                  "the built-in event model");
+  return kModel;
 }
 
 }  // namespace foci

@@ -1,14 +1,41 @@
-// The trained detector's model: its trees, and where they come from.
+// The trained detector's model: its gradient-boosted trees (Friedman 2001), its file, and where it
+// comes from.
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "gaze/events/boosted_trees.h"
-
 namespace foci {
+
+/// An additive model of the log odds of some classes. Each round adds one tree for each class. All
+/// trees are complete and have the same depth.
+struct BoostedTrees {
+  static constexpr std::size_t kBins = 64;       ///< of each feature
+  static constexpr std::uint8_t kNoSplit = 255;  ///< as `Node::bin`: all samples go to the left
+  static constexpr double kLeafUnit = 1.0 / 4096.0;
+
+  struct Node {
+    std::uint8_t feature = 0;
+    std::uint8_t bin = kNoSplit;  ///< values above `edges[feature][bin]` go to the right
+  };
+
+  std::size_t classes = 0, features = 0, depth = 0;
+  std::vector<float> edges{};          ///< `kBins - 1` for each feature, ascending
+  std::vector<Node> nodes{};           ///< 2^depth - 1 for each tree, level by level
+  std::vector<std::int16_t> leaves{};  ///< 2^depth for each tree, in `kLeafUnit`
+  std::vector<float> priors{};         ///< share of each class in the training, > 0
+
+  std::size_t trees() const { return leaves.size() >> depth; }
+
+  /// The probability of each class, given the shares of the training. They sum to 1.
+  /// @param values  one for each feature
+  void probabilities(std::span<const float> values, std::span<double> of_classes) const;
+};
 
 /// A data set that the model was trained on.
 struct ModelSet {
@@ -54,7 +81,7 @@ struct EventModel {
   unsigned seed = 0;
   std::vector<ModelSet> sets{};
   ModelRange rate_Hz{}, noise_deg{};
-  double motion_switch_s = 0.0;       ///< cost of a change of the motion, `viterbi.h`
+  double motion_switch_s = 0.0;       ///< cost of a change of the motion, `ViterbiPath`
   double oscillation_switch_s = 0.0;  ///< from saccade to oscillation and back
   double pursuit_switch_s = 0.0;      ///< from fixation to pursuit and back
   std::vector<ModelLevel> levels{};   ///< ascending by `ahead_s`; one looks ahead at least

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gaze/events/gaze_speed.h"
 #include "gaze/events/online_events.h"
 #include "gaze/events/saccades.h"
-#include "gaze/events/sight_noise.h"
-#include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/geometry/sampling_rate.h"
 
 namespace foci {
-
 namespace {
 
 /// The noise that the online detector has measured when it labels each sample. It stays the same

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "gaze/events/sight_noise.h"
+#include "gaze/events/gaze_speed.h"
 
 namespace foci {
 namespace {

@@ -4,9 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "gaze/events/published_detectors.h"
 #include "gaze/events/saccades.h"
-#include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/geometry/sampling_rate.h"
 

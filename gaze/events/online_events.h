@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "gaze/events/event_settings.h"
+#include "gaze/events/gaze_speed.h"
 #include "gaze/events/pursuit.h"
-#include "gaze/events/sight_noise.h"
 #include "gaze/events/trained_events.h"
 #include "gaze/geometry/gaze_sample.h"
 

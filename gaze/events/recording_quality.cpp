@@ -5,8 +5,8 @@
 
 #include "base/text.h"
 #include "gaze/events/event_model.h"
+#include "gaze/events/gaze_speed.h"
 #include "gaze/events/online_events.h"
-#include "gaze/events/sight_noise.h"
 
 namespace foci {
 namespace {

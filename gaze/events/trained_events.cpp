@@ -4,8 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "gaze/events/sight_noise.h"
-#include "gaze/geometry/head_frame.h"
+#include "gaze/events/gaze_speed.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
@@ -16,9 +15,9 @@ constexpr double kNoise_s = 3.0;  // the noise is that of so long a time before
 // sample. At higher rates the path through the whole recording ends oscillations earlier than some
 // coders do, so that GazeCom and pictures left out agree less.
 constexpr double kHindsightBelow_Hz = 225.0;
-// What coders do not label. The values are those of sets left out. Evidence is that of `viterbi.h`:
-// a shorter rest is given up where less than `kSureStable_s` is for it. A movement is given up for
-// `kPreferStable_s` more than a rest.
+// What coders do not label. The values are those of sets left out. Evidence is that of
+// `ViterbiPath`: a shorter rest is given up where less than `kSureStable_s` is for it. A movement
+// is given up for `kPreferStable_s` more than a rest.
 constexpr double kMinStable_s = 0.04, kSureStable_s = 0.005, kPreferStable_s = 0.02;
 constexpr double kMinPursuit_s = 0.3;         // with the saccades that catch up with the target
 constexpr double kPriorPursuit = 0.3;         // where gaze is stable for too few samples
@@ -381,7 +380,7 @@ class WholeRecording {
   /// after it, unless the trees are sure of it, or one of these, if another rest is beyond it, is a
   /// rest too: whichever has the least evidence against it.
   void removeShortStable() {
-    constexpr double kLeast = 1e-4;  // as in `viterbi.h`
+    constexpr double kLeast = 1e-4;  // as in `ViterbiPath`
     constexpr auto kStable = static_cast<std::size_t>(Motion::stable);
     std::vector<std::array<double, 3>> sums_s = {{}};  // of log probabilities up to each sample
     for (std::size_t i = 0; i < count_; ++i) {

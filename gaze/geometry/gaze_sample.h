@@ -1,4 +1,5 @@
-// The types that all of the gaze room shares: screen geometry, samples, traces, states.
+// The types that all of the gaze room shares: screens (the default one, a headset's), samples,
+// traces, states.
 #pragma once
 
 #include <array>
@@ -45,8 +46,11 @@ enum class GazeState {
 };
 inline constexpr std::size_t kGazeStates = 7;
 
-/// "fixation", "saccade", "pso", "pursuit", "blink", "lost", "unjudged".
-std::string_view nameOf(GazeState state);
+inline std::string_view nameOf(GazeState state) {
+  static constexpr std::array<std::string_view, kGazeStates> kNames = {
+      "fixation", "saccade", "pso", "pursuit", "blink", "lost", "unjudged"};
+  return kNames[static_cast<std::size_t>(state)];
+}
 
 /// One eye in a sample of a binocular recording.
 struct EyeSample {
@@ -108,5 +112,24 @@ struct GazeTrace {
   std::vector<std::string> assumed{};   ///< what the file does not state, a phrase each
   std::vector<std::string> warnings{};  ///< what looks wrong in the positions, a sentence each
 };
+
+/// 24 inches, 16:9, 1920 x 1080 px, seen from 0.6 m: 92 px an inch, 38 px a degree.
+inline Screen defaultScreen() {
+  return {.size_px = {1920, 1080}, .size_m = {0.5313, 0.2989}, .distance_m = 0.6};
+}
+
+/// Pixels per degree in the middle of a headset's view, if none are stated. Chosen by hand: half
+/// of a usual headset's, so that a replay is quick.
+inline constexpr double kHeadsetPixelsPerDegree = 12.0;
+
+/// The field of an eye midway between both, which sees what either eye sees.
+/// @param left_eye  the right eye's field is its mirror image
+EyeField fieldOfBothEyes(const EyeField& left_eye);
+
+/// A screen at one metre that fills the field. A plane's scale grows to the side; its middle has
+///   R = p 180/pi pixels per tangent.
+/// Width and height are even numbers of pixels.
+/// @param pixels_per_degree  p, at the faced point
+Screen headsetScreen(const EyeField& field, double pixels_per_degree);
 
 }  // namespace foci

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "gaze/live/live_source.h"
-#include "gaze/live/pushed_source.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {

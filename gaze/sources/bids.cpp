@@ -20,7 +20,7 @@
 #include <utility>
 
 #include "base/text.h"
-#include "gaze/geometry/cyclopean.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/bids.h"
 #include "gaze/sources/recording_formats.h"
 

@@ -17,7 +17,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "base/words.h"
-#include "gaze/geometry/cyclopean.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"
 #include "gaze/sources/row_times.h"

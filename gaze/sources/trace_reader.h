@@ -12,7 +12,6 @@
 
 #include "gaze/geometry/axis_convention.h"
 #include "gaze/geometry/gaze_sample.h"
-#include "gaze/geometry/headset.h"
 
 namespace foci {
 

@@ -1,17 +1,44 @@
-// Follows a face without networks: the cascades find it, its patches are followed from frame to
-// frame, and a disk is fitted to each iris. It needs a first frame in which the face looks straight
-// ahead, and good light.
+// Follows a face without networks. The boosted cascades of Viola and Jones (2001), from Debian's
+// package opencv-data, find faces and eyes; the pair of irises is taken that suits a face best. The
+// face's patches are followed from frame to frame, and a disk is fitted to each iris. The tracker
+// needs a first frame in which the face looks straight ahead, and good light.
 #pragma once
 
 #include <array>
+#include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 
-#include "gaze/webcam/face_finder.h"
 #include "gaze/webcam/head_tracker.h"
 #include "gaze/webcam/iris.h"
 #include "gaze/webcam/webcam_record.h"
 
+namespace cv {
+class Mat;
+}
+
 namespace foci {
+
+struct FoundFace {
+  /// Centres of the irises, px. Index 0 is the observer's left eye, at the image's right.
+  std::array<glm::dvec2, 2> eyes_px{};
+};
+
+class FaceFinder {
+ public:
+  /// @throws InputError if the cascades are not installed
+  FaceFinder();
+  ~FaceFinder();
+  FaceFinder(FaceFinder&& other) noexcept;
+
+  /// Finds a face that is at least an eighth of the image wide and has open eyes.
+  /// @param grey  8 bits, one channel
+  std::optional<FoundFace> find(const cv::Mat& grey);
+
+ private:
+  struct Cascades;
+  std::unique_ptr<Cascades> cascades_;
+};
 
 class CascadeTracker {
  public:

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "gaze/events/boosted_trees.h"
+#include "gaze/events/event_model.h"
 
 namespace foci {
 

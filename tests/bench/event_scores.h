@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "gaze/events/agreement.h"
+#include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
 #include "gaze/sources/labelled.h"
 

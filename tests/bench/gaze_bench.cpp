@@ -10,7 +10,7 @@
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
 #include "gaze/live/simulator.h"
-#include "gaze/webcam/webcam_tracker.h"
+#include "gaze/webcam/webcam_source.h"
 #include "tests/faces/observer.h"
 
 namespace foci {

@@ -15,7 +15,7 @@
 #include "app/platform/sha256.h"
 #include "base/input_error.h"
 #include "gaze/events/trained_events.h"
-#include "gaze/geometry/head_frame.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "tests/bench/boosting.h"
 #include "tests/bench/event_scores.h"
 #include "tests/bench/training_data.h"

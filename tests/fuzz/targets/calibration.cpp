@@ -1,7 +1,7 @@
 // Files of calibrations: gaze maps, cameras, webcam maps.
 #include "calibration/binocular/binocular_map.h"
 #include "calibration/camera/camera.h"
-#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/gaze_map/gaze_map.h"
 #include "calibration/webcam/webcam_calibration.h"
 #include "tests/fuzz/harness.h"
 

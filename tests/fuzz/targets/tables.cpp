@@ -1,8 +1,8 @@
 // Tables of labels, of targets and of Zernike coefficients.
 #include "app/study/spectra_file.h"
 #include "app/study/wavefront_file.h"
-#include "calibration/binocular/binocular_pairs.h"
-#include "calibration/gaze_map/gaze_pairs.h"
+#include "calibration/binocular/fit_binocular.h"
+#include "calibration/gaze_map/map_units.h"
 #include "calibration/webcam/webcam_calibration.h"
 #include "gaze/sources/labelled.h"
 #include "tests/fuzz/harness.h"

@@ -4,11 +4,10 @@
 #include <random>
 
 #include "base/input_error.h"
-#include "calibration/binocular/binocular_pairs.h"
+#include "calibration/binocular/fit_binocular.h"
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/fit_gaze_map.h"
-#include "calibration/gaze_map/gaze_map_file.h"
-#include "calibration/screen/monitor.h"
+#include "calibration/gaze_map/gaze_map.h"
 #include "calibration/screen/screen_file.h"
 #include "tests/unit/calibration/simulated_user.h"
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "calibration/gaze_map/gaze_pairs.h"
+#include "calibration/gaze_map/map_units.h"
 
 namespace foci {
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "gaze/webcam/webcam_tracker.h"
+#include "gaze/webcam/webcam_source.h"
 
 namespace foci::faces {
 namespace FOCI_FILE {

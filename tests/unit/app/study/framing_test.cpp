@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "gaze/geometry/default_screen.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "render/optics/view.h"
 
 namespace foci {

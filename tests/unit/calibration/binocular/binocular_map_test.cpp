@@ -6,7 +6,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/input_error.h"
-#include "calibration/binocular/binocular_pairs.h"
 #include "calibration/binocular/fit_binocular.h"
 #include "tests/unit/gaze/scratch.h"
 

@@ -1,4 +1,4 @@
-#include "calibration/camera/board.h"
+#include "calibration/camera/fit_camera.h"
 
 #include <gtest/gtest.h>
 

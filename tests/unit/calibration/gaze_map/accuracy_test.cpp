@@ -1,4 +1,4 @@
-#include "calibration/gaze_map/accuracy.h"
+#include "calibration/gaze_map/gaze_report.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "base/input_error.h"
-#include "calibration/gaze_map/accuracy.h"
+#include "calibration/gaze_map/gaze_report.h"
 #include "tests/unit/calibration/simulated_user.h"
 
 namespace foci {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "base/input_error.h"
-#include "calibration/webcam/webcam_recalibration.h"
+#include "calibration/webcam/webcam_calibration.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gaze/events/gaze_events.h"
-#include "gaze/geometry/headset.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {

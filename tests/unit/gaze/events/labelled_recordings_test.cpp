@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "gaze/events/agreement.h"
+#include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
 #include "gaze/sources/labelled.h"

@@ -6,7 +6,7 @@
 #include <random>
 #include <sstream>
 
-#include "gaze/events/agreement.h"
+#include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/live/simulator.h"

@@ -1,14 +1,13 @@
 // Signals that tell nothing are not labelled as gaze.
-#include "gaze/events/signal_doubts.h"
+#include "gaze/events/event_labels.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "gaze/events/event_labels.h"
-#include "gaze/events/published_detectors.h"
 #include "gaze/events/recording_quality.h"
+#include "gaze/events/saccades.h"
 #include "gaze/live/simulator.h"
 
 namespace foci {

@@ -13,7 +13,7 @@
 #include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
 #include "gaze/events/recording_quality.h"
-#include "gaze/geometry/headset.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/live/simulator.h"
 #include "gaze/sources/trace_reader.h"

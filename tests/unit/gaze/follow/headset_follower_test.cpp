@@ -5,7 +5,7 @@
 #include <random>
 
 #include "gaze/follow/gaze_follower.h"
-#include "gaze/geometry/headset.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/space_layout.h"
 

@@ -1,8 +1,7 @@
-#include "gaze/geometry/headset.h"
+#include "gaze/geometry/gaze_sample.h"
 
 #include <gtest/gtest.h>
 
-#include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {

@@ -1,4 +1,4 @@
-#include "gaze/live/pushed_source.h"
+#include "gaze/live/live_source.h"
 
 #include <gtest/gtest.h>
 

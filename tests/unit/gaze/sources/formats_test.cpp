@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/input_error.h"
-#include "gaze/geometry/cyclopean.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/bids.h"
 #include "gaze/sources/trace_reader.h"

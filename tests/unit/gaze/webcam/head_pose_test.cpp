@@ -1,4 +1,4 @@
-#include "gaze/webcam/head_pose.h"
+#include "gaze/webcam/head_tracker.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "gaze/webcam/face_finder.h"
+#include "gaze/webcam/cascade_tracker.h"
 #include "tests/faces/face.h"
 
 namespace foci {

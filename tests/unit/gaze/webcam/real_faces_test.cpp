@@ -17,7 +17,7 @@
 
 #include "base/quantile.h"
 #include "gaze/webcam/webcam_frames.h"
-#include "gaze/webcam/webcam_tracker.h"
+#include "gaze/webcam/webcam_source.h"
 
 namespace foci {
 namespace FOCI_FILE {

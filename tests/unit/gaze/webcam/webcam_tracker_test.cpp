@@ -1,4 +1,4 @@
-#include "gaze/webcam/webcam_tracker.h"
+#include "gaze/webcam/webcam_source.h"
 
 #include <gtest/gtest.h>
 
