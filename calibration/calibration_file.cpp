@@ -1,7 +1,5 @@
 #include "calibration/calibration_file.h"
 
-#include <optional>
-
 #include "base/input_error.h"
 #include "calibration/toml_file.h"
 

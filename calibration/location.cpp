@@ -1,6 +1,5 @@
 #include "calibration/location.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 

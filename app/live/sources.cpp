@@ -58,7 +58,7 @@ class MappedSource final : public LiveSource {
       : source_(std::move(source)), map_(std::move(map)), screen_(screen) {}
 
   void poll(double now_s, std::vector<GazeSample>& samples) override {
-    GazeTrace news{.format = {}};
+    GazeTrace news;
     source_->poll(now_s, news.samples);
     if (news.samples.empty()) return;
     news = mapTrace(map_, screen_, std::move(news));

@@ -104,7 +104,7 @@ GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
   const Screen screen = study.screenInForce();
   WebcamTracker tracker(std::nullopt, calibration.reference);
   const WebcamMapping map = mappingOf(calibration.map, screen);
-  GazeTrace trace{.format = nameOf(place), .screen = screen};
+  GazeTrace trace{{.format = nameOf(place), .screen = screen}};
   WebcamRecording recording = readWebcam(place, tracker);
   trace.warnings = std::move(recording.warnings);
   for (const WebcamFrame& frame : recording.frames) trace.samples.push_back(sampleOf(frame, map));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "base/input_error.h"
 #include "calibration/calibration_file.h"

@@ -6,16 +6,6 @@
 
 namespace foci {
 
-glm::dvec2 projectByCamera(const CameraModel& camera, const glm::dvec3& p_camera) {
-  const double parameters[kCameraParameters] = {
-      camera.focal_px.x,     camera.focal_px.y,    camera.principal_px.x,
-      camera.principal_px.y, camera.distortion[0], camera.distortion[1],
-      camera.distortion[2],  camera.distortion[3], camera.distortion[4]};
-  glm::dvec2 px;
-  projectTo(parameters, p_camera.x / p_camera.z, p_camera.y / p_camera.z, &px.x);
-  return px;
-}
-
 std::string cameraToml(const CameraModel& camera) {
   std::string text = "# Camera calibrated by foci; pixel centres at +0.5.\n[camera]\n";
   text += "size_px = " + exactText(camera.size_px) + "\n";

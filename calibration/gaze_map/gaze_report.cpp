@@ -1,6 +1,7 @@
 #include "calibration/gaze_map/gaze_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -92,7 +93,7 @@ std::string svgOf(const GazeReport& report) {
   return svg + "</svg>";
 }
 
-std::string pointText(const glm::dvec2& p) {
+std::string targetText(const glm::dvec2& p) {
   char text[64];
   std::snprintf(text, sizeof text, "%.3g, %.3g", p.x, p.y);
   return text;
@@ -101,7 +102,7 @@ std::string pointText(const glm::dvec2& p) {
 std::string slippedText(const GazeReport& report) {
   std::string text;
   for (const glm::dvec2& p : report.fit.refused) {
-    text += (text.empty() ? "(" : ", (") + pointText(p) + ")";
+    text += (text.empty() ? "(" : ", (") + targetText(p) + ")";
   }
   return text;
 }
@@ -190,7 +191,7 @@ std::string gazeReportText(const GazeReport& report) {
     text += "left out, since the gaze there does not fit: " + slippedText(report) + "\n";
   text += "          target  accuracy  RMS-S2S     SD   loss\n";
   for (const TargetMeasures& t : report.accuracy.targets) {
-    std::snprintf(line, sizeof line, "%16s %9s %8s %6s %5.1f%%\n", pointText(t.target).c_str(),
+    std::snprintf(line, sizeof line, "%16s %9s %8s %6s %5.1f%%\n", targetText(t.target).c_str(),
                   shown(t.measures.accuracy_deg).c_str(), shown(t.measures.rms_s2s_deg).c_str(),
                   shown(t.measures.sd_deg).c_str(), 100.0 * lossShare(t.measures));
     text += line;
@@ -233,7 +234,7 @@ std::string gazeReportHtml(const GazeReport& report) {
   html += "<table><tr><th>target (" + std::string(nameOf(report.fit.map.frame.units)) +
           ")<th>accuracy °<th>RMS-S2S °<th>SD °<th>data loss</tr>\n";
   for (const TargetMeasures& t : report.accuracy.targets) {
-    html += "<tr><td>" + pointText(t.target) + "<td>" + shown(t.measures.accuracy_deg) + "<td>" +
+    html += "<tr><td>" + targetText(t.target) + "<td>" + shown(t.measures.accuracy_deg) + "<td>" +
             shown(t.measures.rms_s2s_deg) + "<td>" + shown(t.measures.sd_deg) + "<td>" +
             shown(100.0 * lossShare(t.measures), "%.1f %%") + "</tr>\n";
   }
@@ -244,15 +245,8 @@ std::string gazeReportHtml(const GazeReport& report) {
 }
 
 std::string_view nameOf(Grade grade) {
-  switch (grade) {
-    case Grade::good:
-      return "good";
-    case Grade::fair:
-      return "fair";
-    case Grade::poor:
-      return "poor";
-  }
-  return "poor";
+  constexpr std::array<std::string_view, 3> kGrades{"good", "fair", "poor"};
+  return kGrades[static_cast<std::size_t>(grade)];
 }
 
 GazeAccuracy measureAccuracy(std::span<const GazePair> pairs, const GazeFrame& frame,

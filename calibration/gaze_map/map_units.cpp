@@ -10,36 +10,23 @@
 namespace foci {
 namespace {
 
-constexpr std::array<std::string_view, 3> kNames{"deg", "norm", "direction"};
+constexpr std::array<std::string_view, 3> kUnitNames{"deg", "norm", "direction"};
 constexpr double kMaxAngle_deg = 89.0;  // the tangent of 90 is infinite
 
 constexpr std::size_t kMaxRows = 2'000'000;
 constexpr double kMaxGaze = 1e6;
 
-struct Range {
-  double low, high;
-};
-
-Range targetRange(MapUnits units) {
-  switch (units) {
-    case MapUnits::deg:
-      return {-80.0, 80.0};
-    case MapUnits::norm:
-      return {-1.0, 2.0};
-    case MapUnits::direction:
-      return {-6.0, 6.0};
-  }
-  return {0.0, 0.0};
-}
+/// Of a target's coordinates in each unit.
+constexpr std::array<glm::dvec2, 3> kTargetRange{{{-80.0, 80.0}, {-1.0, 2.0}, {-6.0, 6.0}}};
 
 }  // namespace
 
-std::string_view nameOf(MapUnits units) { return kNames[static_cast<std::size_t>(units)]; }
+std::string_view nameOf(MapUnits units) { return kUnitNames[static_cast<std::size_t>(units)]; }
 
 std::optional<MapUnits> mapUnitsNamed(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<MapUnits>(found - kNames.begin());
+  const auto found = std::find(kUnitNames.begin(), kUnitNames.end(), name);
+  if (found == kUnitNames.end()) return std::nullopt;
+  return static_cast<MapUnits>(found - kUnitNames.begin());
 }
 
 glm::dvec2 onPlane(const GazeFrame& frame, const glm::dvec2& point) {
@@ -99,7 +86,7 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
   const std::size_t x = table.column("x"), y = table.column("y");
   const std::size_t x_target = table.column("x_target"), y_target = table.column("y_target");
   const auto time = table.find("time_s"), weight = table.find("weight");
-  const auto [low, high] = targetRange(units);
+  const glm::dvec2& range = kTargetRange[static_cast<std::size_t>(units)];
   std::vector<GazePair> pairs;
   while (table.next()) {
     if (pairs.size() == kMaxRows) {
@@ -107,8 +94,8 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
     }
     const auto gaze_x = table.position(x, 0, -kMaxGaze, kMaxGaze);
     const auto gaze_y = table.position(y, 1, -kMaxGaze, kMaxGaze);
-    const auto target_x = table.number(x_target, low, high);
-    const auto target_y = table.number(y_target, low, high);
+    const auto target_x = table.number(x_target, range.x, range.y);
+    const auto target_y = table.number(y_target, range.x, range.y);
     if (!target_x || !target_y) throw table.error("a row without a target");
     GazePair pair{.target = {*target_x, *target_y}};
     if (gaze_x && gaze_y) pair.gaze = glm::dvec2(*gaze_x, *gaze_y);

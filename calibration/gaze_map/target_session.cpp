@@ -21,6 +21,8 @@ constexpr double kEdge = 0.1;        // of the screen, from its edge to the oute
 }  // namespace
 
 std::vector<glm::dvec2> targetLayout(int count) {
+  assert(count == 4 || count == 5 || count == 9 || count == 13 || count == 16);
+  if (count == 4) return {{0.3, 0.25}, {0.75, 0.3}, {0.7, 0.75}, {0.25, 0.7}};
   std::vector<glm::dvec2> places;
   const auto grid = [&](int side, double low, double high) {
     for (int j = 0; j < side; ++j) {
@@ -30,27 +32,9 @@ std::vector<glm::dvec2> targetLayout(int count) {
       }
     }
   };
-  switch (count) {
-    case 4:
-      places = {{0.3, 0.25}, {0.75, 0.3}, {0.7, 0.75}, {0.25, 0.7}};
-      break;
-    case 5:
-      grid(2, kEdge, 1.0 - kEdge);
-      places.push_back({0.5, 0.5});
-      break;
-    case 9:
-      grid(3, kEdge, 1.0 - kEdge);
-      break;
-    case 13:
-      grid(3, kEdge, 1.0 - kEdge);
-      grid(2, 0.3, 0.7);
-      break;
-    case 16:
-      grid(4, kEdge, 1.0 - kEdge);
-      break;
-    default:
-      assert(false && "4, 5, 9, 13 or 16 targets");
-  }
+  grid(count == 5 ? 2 : count == 16 ? 4 : 3, kEdge, 1.0 - kEdge);
+  if (count == 5) places.push_back({0.5, 0.5});
+  if (count == 13) grid(2, 0.3, 0.7);
   return places;
 }
 

@@ -24,16 +24,9 @@ std::string screenToml(const ScreenCalibration& calibration) {
 
 ScreenCalibration readScreen(const std::filesystem::path& file) {
   requireRegularFile(file);
-  {
-    std::ifstream peek(file, std::ios::binary);
-    char first = 0;
-    if (peek >> first && first == '{') {
-      const PsychoPyMonitor monitor = readPsychoPyMonitor(file);
-      return {.screen = monitor.screen,
-              .gamma = monitor.gamma,
-              .size_from = "PsychoPy monitor",
-              .distance_from = "PsychoPy monitor"};
-    }
+  char first = 0;
+  if (std::ifstream(file, std::ios::binary) >> first && first == '{') {
+    return readPsychoPyMonitor(file);
   }
   CalibrationFile in(file);
   ScreenCalibration calibration;
@@ -70,7 +63,7 @@ double numberIn(const Json& calibration, const char* key, double low, double hig
 
 }  // namespace
 
-PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file) {
+ScreenCalibration readPsychoPyMonitor(const std::filesystem::path& file) {
   const std::string name = file.string();
   requireRegularFile(file);
   std::ifstream in(file, std::ios::binary);
@@ -110,9 +103,11 @@ PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file) {
   }
   const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
   const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;
-  PsychoPyMonitor monitor{.screen = {.size_px = size_px,
-                                     .size_m = {width_m, width_m * size_px.y / size_px.x},
-                                     .distance_m = distance_m}};
+  ScreenCalibration monitor{.screen = {.size_px = size_px,
+                                       .size_m = {width_m, width_m * size_px.y / size_px.x},
+                                       .distance_m = distance_m},
+                            .size_from = "PsychoPy monitor",
+                            .distance_from = "PsychoPy monitor"};
   const auto gamma = fields.find("gamma");
   if (gamma != fields.end() && gamma->is_number()) {
     const double value = gamma->get<double>();

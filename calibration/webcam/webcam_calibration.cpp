@@ -1,14 +1,10 @@
 #include "calibration/webcam/webcam_calibration.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <opencv2/core.hpp>
 #include <sstream>
-#include <string>
 
 #include "base/base64.h"
 #include "base/image_codec.h"

@@ -1,12 +1,6 @@
 #include "gaze/events/event_labels.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <optional>
-
 #include "base/text.h"
-#include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
 #include "gaze/events/saccades.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -27,8 +21,7 @@ void tellLoss(const GazeTrace& trace, double max_blink_s, std::vector<GazeState>
     if (isMissing(i)) {
       while (end < states.size() && isMissing(end)) ++end;
       if (trace.samples[end - 1].time_s - trace.samples[i].time_s > max_blink_s) {
-        std::fill(states.begin() + static_cast<std::ptrdiff_t>(i),
-                  states.begin() + static_cast<std::ptrdiff_t>(end), GazeState::lost);
+        std::ranges::fill(std::span(states).subspan(i, end - i), GazeState::lost);
       }
     }
     i = end;
@@ -321,16 +314,6 @@ std::vector<GazeEvent> eventsOf(const EventLabels& labels, const GazeTrace& trac
 std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings) {
   return eventsOf(labelEvents(trace, screen, settings), trace, screen, settings);
-}
-
-std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
-                                    const EventSettings& settings) {
-  return labelEvents(trace, screen, settings).states;
-}
-
-std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,
-                                          const EventSettings& settings) {
-  return labelEvents(trace, screen, settings, true).states;
 }
 
 std::vector<SignalDoubt> signalDoubts(const GazeTrace& trace, const Screen& screen,

@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "gaze/events/event_settings.h"
@@ -56,7 +54,8 @@ struct EventLabels {
   bool any_judged = false;
 };
 
-/// Where the rate changes, labelling begins anew (`rateStretchesOf`).
+/// The state of every sample. Offline, each decision may use the complete recording. Where the rate
+/// changes, labelling begins anew (`rateStretchesOf`).
 /// @param trace   its rate must be known
 /// @param screen  the screen of the samples, with known size and distance
 /// @param online  the labels of `OnlineEvents`, with the delay compensated

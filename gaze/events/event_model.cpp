@@ -33,18 +33,6 @@ namespace {
 constexpr std::string_view kMagic = "foci event model ";
 constexpr std::size_t kMaxBytes = 1 << 24;
 
-nlohmann::ordered_json jsonOf(const BoostedTrees& trees) {
-  return {{"classes", trees.classes},
-          {"features", trees.features},
-          {"depth", trees.depth},
-          {"trees", trees.trees()}};
-}
-
-template <typename T>
-void append(std::string& bytes, const std::vector<T>& values) {
-  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-}
-
 /// Takes arrays from the front of the bytes.
 class Unpacker {
  public:
@@ -109,44 +97,6 @@ double calibrated(double stated, const std::vector<CalibrationKnot>& knots) {
   if (after == knots.end()) return knots.back().right;
   const CalibrationKnot &a = *(after - 1), &b = *after;
   return a.right + (b.right - a.right) * (stated - a.stated) / (b.stated - a.stated);
-}
-
-std::string packedModel(const EventModel& model) {
-  nlohmann::ordered_json json = {{"revision", model.revision}, {"seed", model.seed}};
-  for (const ModelSet& set : model.sets) {
-    json["sets"].push_back({{"name", set.name},
-                            {"files", set.files},
-                            {"sha256", set.sha256},
-                            {"licence", set.licence},
-                            {"source", set.source}});
-  }
-  json["rate_Hz"] = {model.rate_Hz.least, model.rate_Hz.greatest};
-  json["noise_deg"] = {model.noise_deg.least, model.noise_deg.greatest};
-  json["switch_s"] = {model.motion_switch_s, model.oscillation_switch_s, model.pursuit_switch_s};
-  std::vector<const BoostedTrees*> all;
-  for (const ModelLevel& level : model.levels) {
-    json["levels"].push_back({{"ahead_s", level.ahead_s},
-                              {"motion", jsonOf(level.motion)},
-                              {"oscillation", jsonOf(level.oscillation)}});
-    all.insert(all.end(), {&level.motion, &level.oscillation});
-  }
-  for (const ModelMode* mode : {&model.online, &model.offline}) {
-    auto knots = nlohmann::ordered_json::array();
-    for (const CalibrationKnot& knot : mode->calibration) {
-      knots.push_back({knot.stated, knot.right});
-    }
-    json["modes"].push_back({{"pursuit", jsonOf(mode->pursuit)}, {"calibration", knots}});
-    all.push_back(&mode->pursuit);
-  }
-  std::string bytes =
-      std::string(kMagic) + std::to_string(EventModel::kFormat) + '\n' + json.dump() + '\n';
-  for (const BoostedTrees* trees : all) {
-    append(bytes, trees->priors);
-    append(bytes, trees->edges);
-    append(bytes, trees->nodes);
-    append(bytes, trees->leaves);
-  }
-  return bytes;
 }
 
 EventModel unpackModel(std::string_view bytes, const std::string& name) {

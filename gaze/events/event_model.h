@@ -2,7 +2,6 @@
 // comes from.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -88,9 +87,8 @@ struct EventModel {
   ModelMode online{}, offline{};
 };
 
-/// A model file: a line "foci event model FORMAT", a line of JSON, and the trees.
-std::string packedModel(const EventModel& model);
-
+/// A model file (tests/bench/packed_model.h): a line "foci event model FORMAT", a line of JSON, and
+/// the trees.
 /// @param name  for the error
 /// @throws InputError if it is no model, of another version or damaged
 EventModel unpackModel(std::string_view bytes, const std::string& name);

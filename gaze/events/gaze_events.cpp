@@ -166,8 +166,7 @@ std::vector<GazeState> labelByRules(const GazeTrace& trace, const Screen& screen
         sights[stretch.end - 1].time_s - sights[stretch.first].time_s > settings.max_blink_s) {
       state = GazeState::lost;
     }
-    std::fill(states.begin() + static_cast<std::ptrdiff_t>(stretch.first),
-              states.begin() + static_cast<std::ptrdiff_t>(stretch.end), state);
+    std::ranges::fill(std::span(states).subspan(stretch.first, stretch.end - stretch.first), state);
   }
   return states;
 }

@@ -9,20 +9,14 @@
 
 namespace foci {
 
-/// The state of every sample (`labelEvents`). Each decision may use the complete recording, or the
-/// stretch of one rate that the sample lies in (`rateStretchesOf`).
+/// The state of every sample by thresholds that follow the noise: `Detector::rules`.
 /// @param trace   its rate must be known
 /// @param screen  the screen of the samples, with known size and distance
-std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
-                                    const EventSettings& settings = {});
-
-/// The state of every sample by thresholds that follow the noise: `Detector::rules`.
 std::vector<GazeState> labelByRules(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings);
 
 /// An interval of one state. Positions are absent in blinks and data loss. Of an uncalibrated
-/// signal
-/// (`GazeTrace::relative`), positions, amplitudes and speeds are absent.
+/// signal (`GazeTrace::relative`), positions, amplitudes and speeds are absent.
 struct GazeEvent {
   GazeState kind = GazeState::lost;
   double onset_s = 0.0;  ///< on the recording's clock

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "gaze/events/gaze_speed.h"
-
 namespace foci {
 namespace {
 

@@ -47,7 +47,6 @@ class GazeFeatures {
   /// @param ahead_s  samples that are later by more than this are not used
   GazeFeatureVector of(std::size_t sample, double ahead_s) const;
 
-  const ScaleNoise& noise_deg_s() const { return noise_deg_s_; }
   /// Standard deviation of a sample's error along each axis; 0 before it is known.
   double noise_deg() const;
 

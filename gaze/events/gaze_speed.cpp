@@ -7,6 +7,8 @@
 #include <iterator>
 #include <numbers>
 
+#include "base/quantile.h"
+
 namespace foci {
 namespace {
 
@@ -221,8 +223,7 @@ double RecentNoise::measured_deg_s(Changes& changes, double errors) {
                std::back_inserter(sorted_),
                [](float change_deg_s) { return change_deg_s >= 0.0F; });
   if (sorted_.size() < kMinChanges) return 0.0;
-  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  const auto median = static_cast<double>(quantile(sorted_, 0.5));
   // The standard error of the median of n values of a Rayleigh distribution is 0.72 / sqrt(n) of
   // it. Only windows that do not overlap are independent.
   constexpr double kErrorOfMedian = 0.72;
@@ -230,8 +231,7 @@ double RecentNoise::measured_deg_s(Changes& changes, double errors) {
   const double upper = 1.0 + errors * kErrorOfMedian / std::sqrt(std::max(windows, 1.0));
   // The median of a Rayleigh distribution is sqrt(2 ln 2) times sigma. A difference of two
   // velocities has twice the variance.
-  return upper * static_cast<double>(*middle) /
-         (std::sqrt(2.0 * std::numbers::ln2) * std::numbers::sqrt2);
+  return upper * median / (std::sqrt(2.0 * std::numbers::ln2) * std::numbers::sqrt2);
 }
 
 std::vector<TimedSight> withoutSpikes(std::span<const TimedSight> sights, double rate_Hz,

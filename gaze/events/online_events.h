@@ -108,8 +108,4 @@ bool isStable(GazeState state);
 /// fixation is stable in the world, while the head turns.
 TimedSight sightOf(const GazeSample& sample, const Screen& screen);
 
-/// The online detector's state for every sample of a trace, with the delay compensated.
-std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,
-                                          const EventSettings& settings = {});
-
 }  // namespace foci

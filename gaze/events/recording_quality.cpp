@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/events/event_model.h"
 #include "gaze/events/gaze_speed.h"
@@ -84,11 +85,7 @@ void measureNoise(const GazeTrace& trace, const Screen& screen,
   }
   close();
   if (steps > 0.0) quality.rms_s2s_deg = glm::degrees(std::sqrt(squared_steps / steps));
-  if (!spreads_deg.empty()) {
-    const auto middle = spreads_deg.begin() + static_cast<std::ptrdiff_t>(spreads_deg.size() / 2);
-    std::nth_element(spreads_deg.begin(), middle, spreads_deg.end());
-    quality.sd_deg = *middle;
-  }
+  if (!spreads_deg.empty()) quality.sd_deg = quantile(spreads_deg, 0.5);
 }
 
 std::optional<MainSequence> fitMainSequence(const std::vector<GazeEvent>& events) {

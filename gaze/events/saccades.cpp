@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gaze/events/gaze_speed.h"
-
 namespace foci {
 namespace {
 
@@ -89,8 +87,7 @@ class SaccadeFinder {
   }
 
   void mark(std::size_t first, std::size_t last, GazeState state) {
-    std::fill(states_.begin() + static_cast<std::ptrdiff_t>(first),
-              states_.begin() + static_cast<std::ptrdiff_t>(last + 1), state);
+    std::ranges::fill(std::span(states_).subspan(first, last + 1 - first), state);
   }
 
   /// Finds saccades with a window that is shorter than most of them, so that it shows their edges.

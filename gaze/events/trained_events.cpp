@@ -1,8 +1,6 @@
 #include "gaze/events/trained_events.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cmath>
 
 #include "gaze/events/gaze_speed.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -319,8 +317,7 @@ class WholeRecording {
         const double gap_s =
             (end < count_ ? sights_[end].time_s : sights_[end - 1].time_s + 1.0 / trace_.rate_Hz) -
             sights_[i].time_s;
-        std::fill(missing_s_.begin() + static_cast<std::ptrdiff_t>(i),
-                  missing_s_.begin() + static_cast<std::ptrdiff_t>(end), gap_s);
+        std::ranges::fill(std::span(missing_s_).subspan(i, end - i), gap_s);
       }
       i = end;
     }
@@ -436,8 +433,7 @@ class WholeRecording {
       add({after.first, after.end, motions[2]});
     }
     for (const Run& run : done) {
-      std::fill(motion_.begin() + static_cast<std::ptrdiff_t>(run.first),
-                motion_.begin() + static_cast<std::ptrdiff_t>(run.end), run.motion);
+      std::ranges::fill(std::span(motion_).subspan(run.first, run.end - run.first), run.motion);
     }
   }
 

@@ -24,9 +24,6 @@ class AxisConvention {
   glm::dvec3 vector(const glm::dvec3& p) const { return from_other_ * p; }
   /// @param q  unit
   glm::dquat rotation(const glm::dquat& q) const;
-  /// Where the other program's z points forward, an eye at rest looks along +z, else along -z.
-  /// @return in the other program's frame: its own forward direction
-  glm::dvec3 forward() const { return glm::transpose(from_other_) * glm::dvec3(0.0, 0.0, -1.0); }
 
  private:
   glm::dmat3 from_other_{1.0};

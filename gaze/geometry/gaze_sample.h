@@ -94,13 +94,10 @@ struct TraceTrial {
   std::vector<std::pair<std::string, std::string>> variables{};
 };
 
-struct GazeTrace {
-  std::string format;                 ///< for reports: "EyeLink ASC, binocular", "TSV", ...
-  std::optional<Screen> screen{};     ///< if the file describes one
-  double rate_Hz = 0.0;               ///< sampling rate, nominal or median
-  std::vector<GazeSample> samples{};  ///< times strictly increase
-  bool simulated = false;
-  bool relative = false;  ///< uncalibrated: scale and origin of the positions are not known
+/// What a recording states, and what was assumed of it.
+struct TraceFacts {
+  std::string format{};            ///< for reports: "EyeLink ASC, binocular", "TSV", ...
+  std::optional<Screen> screen{};  ///< if the file describes one
   /// What the left eye sees of a headset's display; the right eye's field is its mirror image.
   /// Absent: the screen does not move.
   std::optional<EyeField> field{};
@@ -108,9 +105,16 @@ struct GazeTrace {
   std::optional<double> scene_scale_m{};
   std::vector<TraceMarker> markers{};   ///< in order of time
   std::vector<TraceTrial> trials{};     ///< in order of their beginnings
-  std::string pupil_unit{};             ///< of `pupil_own`; empty: no sample has one
+  std::string pupil_unit{};             ///< of `pupil_own`: "arbitrary", "px"; empty: none has one
   std::vector<std::string> assumed{};   ///< what the file does not state, a phrase each
   std::vector<std::string> warnings{};  ///< what looks wrong in the positions, a sentence each
+};
+
+struct GazeTrace : TraceFacts {
+  double rate_Hz = 0.0;               ///< sampling rate, nominal or median
+  std::vector<GazeSample> samples{};  ///< times strictly increase
+  bool simulated = false;
+  bool relative = false;  ///< uncalibrated: scale and origin of the positions are not known
 };
 
 /// 24 inches, 16:9, 1920 x 1080 px, seen from 0.6 m: 92 px an inch, 38 px a degree.

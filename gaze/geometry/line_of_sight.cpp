@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <vector>
+
+#include "base/quantile.h"
 
 namespace foci {
 namespace {
@@ -86,9 +89,7 @@ glm::dvec3 middleOfEyes_m(const std::vector<GazeSample>& samples) {
       if (sample.head && left && right) along.push_back(0.5 * ((*left)[axis] + (*right)[axis]));
     }
     if (along.empty()) return glm::dvec3(0.0);
-    const auto half = along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2);
-    std::nth_element(along.begin(), half, along.end());
-    middle_m[axis] = *half;
+    middle_m[axis] = quantile(along, 0.5);
   }
   return middle_m;
 }

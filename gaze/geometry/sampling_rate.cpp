@@ -108,8 +108,7 @@ GazeTrace stretchOf(const GazeTrace& trace, const std::vector<RateStretch>& stre
   const auto at = [&](std::size_t sample) {
     return trace.samples.begin() + static_cast<std::ptrdiff_t>(sample);
   };
-  GazeTrace stretch{
-      .format = trace.format, .screen = trace.screen, .rate_Hz = stretches[i].rate_Hz};
+  GazeTrace stretch{{.format = trace.format, .screen = trace.screen}, stretches[i].rate_Hz};
   stretch.samples.assign(at(stretches[i].first), at(end));
   return stretch;
 }

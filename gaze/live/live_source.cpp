@@ -29,8 +29,6 @@ void TraceSource::poll(double now_s, std::vector<GazeSample>& samples) {
   }
 }
 
-std::string TraceSource::status() const { return trace_.format + (ended() ? ", ended" : ""); }
-
 namespace {
 
 constexpr double kSilence_s = 2.0;
@@ -111,10 +109,6 @@ void PushedSource::poll(double now_s, std::vector<GazeSample>& samples) {
 bool PushedSource::isHeard() const {
   const std::lock_guard lock(mutex_);
   return heard_s_ && polled_s_ - *heard_s_ <= kSilence_s;
-}
-
-std::string PushedSource::status() const {
-  return isHeard() ? "gaze from the socket" : "gaze from the socket, none yet";
 }
 
 SenderFacts PushedSource::sender() const {

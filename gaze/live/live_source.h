@@ -68,7 +68,7 @@ class TraceSource : public LiveSource {
 
   void poll(double now_s, std::vector<GazeSample>& samples) override;
   double rate_Hz() const override { return trace_.rate_Hz; }
-  std::string status() const override;
+  std::string status() const override { return trace_.format + (ended() ? ", ended" : ""); }
   bool ended() const { return next_ == trace_.samples.size(); }
 
  private:
@@ -100,7 +100,9 @@ class PushedSource : public LiveSource {
   void poll(double now_s, std::vector<GazeSample>& samples) override;
 
   double rate_Hz() const override { return rate_Hz_; }
-  std::string status() const override;
+  std::string status() const override {
+    return isHeard() ? "gaze from the socket" : "gaze from the socket, none yet";
+  }
   SenderFacts sender() const override;
 
  private:

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "base/input_error.h"
 #include "base/quiet_stderr.h"

@@ -152,6 +152,7 @@ TraceHeader readAria(const RecordingFile& file, const Screen&, const TakeSample&
 }  // namespace
 
 const RecordingFormat kAria{
+    .name = "Project Aria",
     .is = isAria,
     .read = readAria,
     .companions =

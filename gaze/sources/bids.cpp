@@ -14,7 +14,6 @@
 // clock.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -455,6 +454,7 @@ std::vector<fs::path> bidsCompanionsOf(const fs::path& file) {
 }  // namespace
 
 const RecordingFormat kBids{
+    .name = "BIDS",
     .is = [](const RecordingFile& file) { return bidsMetadata(file.path()).has_value(); },
     .read = readBids,
     .companions = bidsCompanionsOf};

@@ -13,6 +13,8 @@
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
 
+struct gzFile_s;  // of zlib
+
 namespace foci {
 
 struct BidsMetadata {
@@ -66,22 +68,36 @@ struct BidsNames {
   std::string stem_;  // without recording-LABEL
 };
 
-/// The table of one eye, packed, sample by sample, in constant memory.
-class BidsTable {
+/// A gzip file that notices what it could not write.
+class PackedOutput {
  public:
   /// @throws std::runtime_error if the file cannot be written
+  explicit PackedOutput(const std::filesystem::path& file);
+
+  void write(const std::string& text);
+  /// @throws std::runtime_error if not everything could be written
+  void close();
+
+ private:
+  std::string name_;
+  std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> file_;
+  bool failed_ = false;
+};
+
+/// The table of one eye, packed, sample by sample, in constant memory. Throws as `PackedOutput`.
+class BidsTable {
+ public:
   BidsTable(const std::filesystem::path& file, const BidsContents& contents,
             std::optional<std::size_t> side);
-  ~BidsTable();
-  BidsTable(BidsTable&&) noexcept;
 
   void add(const GazeSample& sample);
-  /// @throws std::runtime_error if not everything could be written
   void finish();
 
  private:
-  struct Output;
-  std::unique_ptr<Output> out_;
+  PackedOutput file_;
+  std::optional<std::size_t> side_;
+  bool pupils_mm_, pupils_own_, blinks_;
+  std::string text_{};
 };
 
 /// The JSON beside such a table.

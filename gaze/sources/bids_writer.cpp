@@ -7,7 +7,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <utility>
 
 #include "base/file.h"
 #include "base/input_error.h"
@@ -47,34 +46,20 @@ void count(BidsContents::Values& values, bool point, const std::optional<double>
 
 }  // namespace
 
-/// A gzip file that notices what it could not write.
-class PackedOutput {
- public:
-  explicit PackedOutput(const fs::path& file)
-      : name_(file.string()), file_(gzopen(name_.c_str(), "wb")) {
-    if (!file_) throw std::runtime_error("cannot write " + name_);
-  }
-  ~PackedOutput() {
-    if (file_) gzclose(file_);
-  }
-  PackedOutput(const PackedOutput&) = delete;
-  PackedOutput& operator=(const PackedOutput&) = delete;
+PackedOutput::PackedOutput(const fs::path& file)
+    : name_(file.string()), file_(gzopen(name_.c_str(), "wb"), gzclose) {
+  if (!file_) throw std::runtime_error("cannot write " + name_);
+}
 
-  void write(const std::string& text) {
-    if (text.empty()) return;
-    failed_ |= gzwrite(file_, text.data(), static_cast<unsigned>(text.size())) <= 0;
-  }
+void PackedOutput::write(const std::string& text) {
+  if (text.empty()) return;
+  failed_ |= gzwrite(file_.get(), text.data(), static_cast<unsigned>(text.size())) <= 0;
+}
 
-  void close() {
-    const bool closed = gzclose(std::exchange(file_, nullptr)) == Z_OK;
-    if (!closed || failed_) throw std::runtime_error("cannot write " + name_);
-  }
-
- private:
-  std::string name_;
-  gzFile file_;
-  bool failed_ = false;
-};
+void PackedOutput::close() {
+  const bool closed = gzclose(file_.release()) == Z_OK;
+  if (!closed || failed_) throw std::runtime_error("cannot write " + name_);
+}
 
 void BidsContents::add(const GazeSample& sample) {
   count(both, sample.point_px.has_value(), sample.pupil_mm, sample.pupil_own);
@@ -112,45 +97,33 @@ fs::path BidsNames::ofTask(const std::string& suffix) const {
   return folder_ / (stem_ + "_" + suffix);
 }
 
-struct BidsTable::Output {
-  std::unique_ptr<PackedOutput> file;
-  std::optional<std::size_t> side{};
-  bool pupils_mm = false, pupils_own = false, blinks = false;
-  std::string text{};
-};
-
 BidsTable::BidsTable(const fs::path& file, const BidsContents& contents,
                      std::optional<std::size_t> side)
-    : out_(new Output{.file = std::make_unique<PackedOutput>(file), .side = side}) {
-  const auto& values = valuesOf(contents, side);
-  out_->pupils_mm = values.pupils_mm > 0;
-  out_->pupils_own = !out_->pupils_mm && values.pupils_own > 0;
-  out_->blinks = contents.blinks > 0;
-}
-
-BidsTable::~BidsTable() = default;
-BidsTable::BidsTable(BidsTable&&) noexcept = default;
+    : file_(file),
+      side_(side),
+      pupils_mm_(valuesOf(contents, side).pupils_mm > 0),
+      pupils_own_(!pupils_mm_ && valuesOf(contents, side).pupils_own > 0),
+      blinks_(contents.blinks > 0) {}
 
 void BidsTable::add(const GazeSample& sample) {
   constexpr std::size_t kBlock = 1 << 16;
-  const EyeSample* eye = out_->side ? &sample.eyes[*out_->side] : nullptr;
+  const EyeSample* eye = side_ ? &sample.eyes[*side_] : nullptr;
   const auto& point_px = eye ? eye->point_px : sample.point_px;
-  std::string& text = out_->text;
-  text += decimal(sample.time_s, 6);
-  append(text, point_px ? std::optional(point_px->x) : std::nullopt, 3);
-  append(text, point_px ? std::optional(point_px->y) : std::nullopt, 3);
-  if (out_->pupils_mm) append(text, eye ? eye->pupil_mm : sample.pupil_mm, 4);
-  if (out_->pupils_own) append(text, eye ? eye->pupil_own : sample.pupil_own, 4);
-  if (out_->blinks) text += sample.blink ? "\t1" : "\t0";
-  text += '\n';
-  if (text.size() <= kBlock) return;
-  out_->file->write(text);
-  text.clear();
+  text_ += decimal(sample.time_s, 6);
+  append(text_, point_px ? std::optional(point_px->x) : std::nullopt, 3);
+  append(text_, point_px ? std::optional(point_px->y) : std::nullopt, 3);
+  if (pupils_mm_) append(text_, eye ? eye->pupil_mm : sample.pupil_mm, 4);
+  if (pupils_own_) append(text_, eye ? eye->pupil_own : sample.pupil_own, 4);
+  if (blinks_) text_ += sample.blink ? "\t1" : "\t0";
+  text_ += '\n';
+  if (text_.size() <= kBlock) return;
+  file_.write(text_);
+  text_.clear();
 }
 
 void BidsTable::finish() {
-  out_->file->write(out_->text);
-  out_->file->close();
+  file_.write(text_);
+  file_.close();
 }
 
 std::string bidsPhysioJson(const TraceHeader& header, const BidsContents& contents,

@@ -421,6 +421,7 @@ bool isEyeLinkAsc(const RecordingFile& file) {
 
 /// Of the study's columns, only `missing`, `scale` and `offset` count.
 const RecordingFormat kEyeLinkAsc{
+    .name = "EyeLink ASC",
     .is = isEyeLinkAsc,
     .read = [](const RecordingFile& file, const Screen&, const TakeSample& take) {
       LineReader lines(file.path());

@@ -253,7 +253,8 @@ std::vector<std::filesystem::path> settingsOf(const std::filesystem::path& file)
 
 }  // namespace
 
-const RecordingFormat kEyeNavGs{.is =
+const RecordingFormat kEyeNavGs{.name = "EyeNavGS",
+                                .is =
                                     [](const RecordingFile& file) {
                                       return file.isUndescribed() &&
                                              trimmed(file.firstLine()) == kHeader;

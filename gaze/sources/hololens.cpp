@@ -24,68 +24,51 @@ constexpr double kTick_s = 1e-7, kRigid = 1e-3;
 /// The time from 0 in ticks, the head in the world and the direction of gaze there.
 using HoloLensRow = std::array<double, 11>;
 
-class HoloLensLines {
- public:
-  explicit HoloLensLines(const std::filesystem::path& file) : lines_(file, kFields) {}
-
-  NumberRows rows() {
-    while (lines_.next()) {
-      const HoloLensRow row = readRow();
-      values_.insert(values_.end(), row.begin(), row.end());
+/// Takes the head into a row. A transform of zeros: the head was not tracked.
+void takeHoloLensHead(NamedTable& table, HoloLensRow& row) {
+  glm::dmat3 turn(0.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      turn[static_cast<int>(j)][static_cast<int>(i)] = table.needed(kHeadAt + 4 * i + j);
     }
-    std::vector<std::string> names = worldColumnNames();
-    for (const char* axis : {"gaze x", "gaze y", "gaze z"}) names.emplace_back(axis);
-    return {lines_.fileName(), std::move(names), std::move(values_)};
   }
-
-  const NamedTable& lines() const { return lines_; }
-
- private:
-  double number(std::size_t column) { return lines_.needed(column); }
-
-  HoloLensRow readRow() {
-    HoloLensRow row{};
-    std::fill(row.begin() + 1, row.end(), std::numeric_limits<double>::quiet_NaN());
-    const double ticks = number(0);
-    if (!start_ticks_) start_ticks_ = ticks;
-    row[0] = ticks - *start_ticks_;
-    readHead(row);
-    for (std::size_t i = 0; number(kGazeAt) == 1.0 && i < 3; ++i)
-      row[8 + i] = number(kGazeAt + 5 + i);
-    return row;
+  if (turn == glm::dmat3(0.0)) return;
+  const glm::dmat3 product = glm::transpose(turn) * turn;
+  double error = std::abs(glm::determinant(turn) - 1.0);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) error = std::max(error, std::abs(product[i][j] - (i == j)));
   }
-
-  /// A transform of zeros: the head was not tracked.
-  void readHead(HoloLensRow& row) {
-    glm::dmat3 turn(0.0);
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) {
-        turn[static_cast<int>(j)][static_cast<int>(i)] = number(kHeadAt + 4 * i + j);
-      }
-    }
-    if (turn == glm::dmat3(0.0)) return;
-    const glm::dmat3 product = glm::transpose(turn) * turn;
-    double error = std::abs(glm::determinant(turn) - 1.0);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) error = std::max(error, std::abs(product[i][j] - (i == j)));
-    }
-    if (!(error <= kRigid)) {
-      throw lines_.error("columns 2 to 17: expected a rigid transform of the head, row by row");
-    }
-    const glm::dquat q = glm::quat_cast(turn);
-    for (std::size_t i = 0; i < 3; ++i) row[1 + i] = number(kHeadAt + 4 * i + 3);
-    row[4] = q.x, row[5] = q.y, row[6] = q.z, row[7] = q.w;
+  if (!(error <= kRigid)) {
+    throw table.error("columns 2 to 17: expected a rigid transform of the head, row by row");
   }
+  const glm::dquat q = glm::quat_cast(turn);
+  for (std::size_t i = 0; i < 3; ++i) row[1 + i] = table.needed(kHeadAt + 4 * i + 3);
+  row[4] = q.x, row[5] = q.y, row[6] = q.z, row[7] = q.w;
+}
 
-  NamedTable lines_;
-  std::vector<double> values_{};
-  std::optional<double> start_ticks_{};
-};
+NumberRows holoLensRows(NamedTable& table) {
+  std::vector<double> values;
+  std::optional<double> start_ticks;
+  while (table.next()) {
+    HoloLensRow row;
+    row.fill(std::numeric_limits<double>::quiet_NaN());
+    const double ticks = table.needed(0);
+    if (!start_ticks) start_ticks = ticks;
+    row[0] = ticks - *start_ticks;
+    takeHoloLensHead(table, row);
+    for (std::size_t i = 0; table.needed(kGazeAt) == 1.0 && i < 3; ++i)
+      row[8 + i] = table.needed(kGazeAt + 5 + i);
+    values.insert(values.end(), row.begin(), row.end());
+  }
+  std::vector<std::string> names = worldColumnNames();
+  for (const char* axis : {"gaze x", "gaze y", "gaze z"}) names.emplace_back(axis);
+  return {table.fileName(), std::move(names), std::move(values)};
+}
 
 TraceHeader readHoloLens(const RecordingFile& file, const Screen& fallback_screen,
                          const TakeSample& take) {
-  HoloLensLines lines(file.path());
-  NumberRows rows = lines.rows();
+  NamedTable table(file.path(), kFields);
+  NumberRows rows = holoLensRows(table);
   TraceColumns columns = worldColumns(file.columns(), kTick_s);
   if (!columns.space.from_head) columns.space.both.direction = {"gaze x", "gaze y", "gaze z"};
   columns.space.head_scale_m = columns.space.origin_scale_m = 1.0;
@@ -99,7 +82,7 @@ TraceHeader readHoloLens(const RecordingFile& file, const Screen& fallback_scree
                     {"#853 to #856", "unused", ""},
                     {"#857 to #860", "direction of gaze in the world", sure},
                     {"#861", "unused", ""}};
-  if (lines.lines().isCut()) header.warnings.emplace_back(kCutOff);
+  if (table.isCut()) header.warnings.emplace_back(kCutOff);
   return header;
 }
 
@@ -114,8 +97,9 @@ bool isHoloLens(const RecordingFile& file) {
 }  // namespace
 
 const RecordingFormat kHoloLens{
-    .is = isHoloLens, .read = readHoloLens, .preview = [](const std::filesystem::path&) {
-      return SpacePreview{.has_head = true};
-    }};
+    .name = "HoloLens 2",
+    .is = isHoloLens,
+    .read = readHoloLens,
+    .preview = [](const std::filesystem::path&) { return SpacePreview{.has_head = true}; }};
 
 }  // namespace foci

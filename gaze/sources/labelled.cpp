@@ -4,7 +4,6 @@
 
 #include "base/text.h"
 #include "gaze/sources/rows.h"
-#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 namespace {

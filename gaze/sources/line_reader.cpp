@@ -3,14 +3,10 @@
 #include <zlib.h>
 #include <algorithm>
 #include <cctype>
-#include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "base/text.h"
 #include "base/words.h"
 #include "gaze/sources/swift_number.h"
 

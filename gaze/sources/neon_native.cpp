@@ -238,6 +238,7 @@ TraceHeader readNeonNative(const RecordingFile& file, const Screen& fallback_scr
 }  // namespace
 
 const RecordingFormat kNeonNative{
+    .name = "Neon",
     .is = [](const RecordingFile& file) { return !neonNativeFiles(file.path()).empty(); },
     .read = readNeonNative,
     .companions =

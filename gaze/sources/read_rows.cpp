@@ -145,14 +145,14 @@ class RowReader {
     while (rows_.next()) readRow();
     finishGroups();
     times_.finish();
-    TraceHeader header{.format = layout_.format,
-                       .screen = nominal_ || field_ ? screen_ : stated_,
-                       .units = isInSpace() ? GazeUnits::deg : units_,
-                       .field = field_,
-                       .columns = layout_.readings,
-                       .gaze_in_world = layout_.space && layout_.space->in_world,
-                       .nominal_screen = nominal_,
-                       .pupil_unit = layout_.pupil_unit};
+    TraceHeader header{{.format = layout_.format,
+                        .screen = nominal_ || field_ ? screen_ : stated_,
+                        .field = field_,
+                        .pupil_unit = layout_.pupil_unit},
+                       isInSpace() ? GazeUnits::deg : units_,
+                       layout_.readings,
+                       layout_.space && layout_.space->in_world};
+    header.nominal_screen = nominal_;
     if (eyes_seen_[0] && eyes_seen_[1]) header.format += ", binocular";
     state(header);
     return header;

@@ -37,11 +37,12 @@ class RecordingFile {
 };
 
 struct RecordingFormat {
+  const char* name = nullptr;  ///< null: a plain table
   /// @throws InputError if the file cannot be read
-  bool (*is)(const RecordingFile& file);
+  bool (*is)(const RecordingFile& file) = nullptr;
   /// Reads as `streamTrace`. @throws InputError
   TraceHeader (*read)(const RecordingFile& file, const Screen& fallback_screen,
-                      const TakeSample& take);
+                      const TakeSample& take) = nullptr;
   /// As `companionsOf`; null: none.
   std::vector<std::filesystem::path> (*companions)(const std::filesystem::path& file) = nullptr;
   /// As `previewSpace`; null: no head.

@@ -1,13 +1,10 @@
 #include "gaze/sources/row_times.h"
 
-#include <algorithm>
 #include <bit>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
-#include <string>
 
 #include "base/quantile.h"
 #include "base/text.h"

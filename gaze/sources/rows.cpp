@@ -1,10 +1,7 @@
 #include "gaze/sources/rows.h"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/number.h"
 #include "base/text.h"

@@ -3,7 +3,6 @@
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
-#include <string>
 
 #include "base/number.h"
 #include "base/text.h"

@@ -5,7 +5,6 @@
 // x left, y up, z forward. Lines of other sensors are skipped.
 // From "Tobii Pro Glasses 2 API Developer's Guide" and "Tobii Pro Glasses 3 Developer Guide".
 #include <array>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -139,6 +138,7 @@ TraceHeader readTobiiGlasses(const RecordingFile& file, const Screen& fallback_s
 
 }  // namespace
 
-const RecordingFormat kTobiiGlasses{.is = isTobiiGlasses, .read = readTobiiGlasses};
+const RecordingFormat kTobiiGlasses{
+    .name = "Tobii Pro Glasses", .is = isTobiiGlasses, .read = readTobiiGlasses};
 
 }  // namespace foci

@@ -5,6 +5,7 @@
 
 #include "base/input_error.h"
 #include "base/memory_budget.h"
+#include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/recording_formats.h"
@@ -25,14 +26,13 @@ double medianRate_Hz(const std::vector<GazeSample>& samples) {
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     interval_s[i] = samples[i + 1].time_s - samples[i].time_s;
   }
-  const auto middle = interval_s.begin() + static_cast<std::ptrdiff_t>(interval_s.size() / 2);
-  std::nth_element(interval_s.begin(), middle, interval_s.end());
+  const double median_s = quantile(interval_s, 0.5);
   if (std::all_of(interval_s.begin(), interval_s.end(), isWhole_ms)) {
-    RoundedIntervals rounded(*middle);
+    RoundedIntervals rounded(median_s);
     for (const double interval : interval_s) rounded.add(1, interval);
     if (const auto mean_s = rounded.mean_s()) return std::round(1000.0 / *mean_s) / 1000.0;
   }
-  return std::round(1000.0 / *middle) / 1000.0;
+  return std::round(1000.0 / median_s) / 1000.0;
 }
 
 TraceHeader readTable(const RecordingFile& file, const Screen& fallback_screen,
@@ -42,7 +42,7 @@ TraceHeader readTable(const RecordingFile& file, const Screen& fallback_screen,
   return readRows(rows, file.columns(), fallback_screen, take);
 }
 
-const RecordingFormat kPlainTable{.is = nullptr, .read = readTable};
+const RecordingFormat kPlainTable{.read = readTable};
 
 /// @throws InputError if the file is none
 const RecordingFormat& formatOf(const RecordingFile& file) {
@@ -118,17 +118,7 @@ std::optional<std::string> recordingKindOf(const std::filesystem::path& file) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(file, unreadable)) return std::nullopt;
   const RecordingFormat* const found = formatSoFar(RecordingFile(file, {}));
-  for (const auto& [format, name] : {std::pair(&kBids, "BIDS"),
-                                     {&kXdf, "XDF"},
-                                     {&kEyeLinkAsc, "EyeLink ASC"},
-                                     {&kEyeNavGs, "EyeNavGS"},
-                                     {&kHoloLens, "HoloLens 2"},
-                                     {&kAria, "Project Aria"},
-                                     {&kNeonNative, "Neon"},
-                                     {&kTobiiGlasses, "Tobii Pro Glasses"}}) {
-    if (found == format) return name;
-  }
-  return std::nullopt;
+  return found && found->name ? std::optional<std::string>(found->name) : std::nullopt;
 }
 
 std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file) {
@@ -205,15 +195,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
         budget.take(1, sizeof sample, "its samples");
         trace.samples.push_back(sample);
       });
-  trace.format = header.format;
-  trace.screen = header.screen;
-  trace.field = header.field;
-  trace.scene_scale_m = header.scene_scale_m;
-  trace.markers = header.markers;
-  trace.trials = header.trials;
-  trace.pupil_unit = header.pupil_unit;
-  trace.assumed = header.assumed;
-  trace.warnings = header.warnings;
+  static_cast<TraceFacts&>(trace) = header;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {
     throw InputError(name, std::to_string(trace.samples.size()) + " samples: expected at least 2");

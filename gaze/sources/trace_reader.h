@@ -149,30 +149,17 @@ struct TrackerCalibration {
   std::optional<double> mean_deg{}, max_deg{};    ///< errors of a validation
 };
 
-/// The properties of a recording besides its samples.
-struct TraceHeader {
-  std::string format{};             ///< as `GazeTrace::format`
-  std::optional<Screen> screen{};   ///< the fallback replaces missing quantities
-  GazeUnits units = GazeUnits::px;  ///< of the file's positions
-  /// What the left eye sees of a headset's display: `screen` is that of both eyes
-  /// (`headsetScreen`).
-  std::optional<EyeField> field{};
-  std::vector<ColumnReading> columns{};   ///< of a table, in the file's order
-  bool gaze_in_world = false;             ///< the frame of the file's directions; else the head's
-  bool world_y_up = true;                 ///< of the recording's world; false: unknown
-  std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
+/// The properties of a recording besides its samples. The fallback replaces missing quantities of
+/// `screen`. With a `field`, it is that of both eyes (`headsetScreen`).
+struct TraceHeader : TraceFacts {
+  GazeUnits units = GazeUnits::px;       ///< of the file's positions
+  std::vector<ColumnReading> columns{};  ///< of a table, in the file's order
+  bool gaze_in_world = false;            ///< the frame of the file's directions; else the head's
+  bool world_y_up = true;                ///< of the recording's world; false: unknown
   /// Degrees, fractions or lines of sight are put on this screen, because the real one is not
   /// stated. Its quantities mean nothing.
   bool nominal_screen = false;
-  std::vector<TraceMarker> markers{};  ///< as `GazeTrace::markers`
-  /// Of `pupil_own`: "arbitrary", "px". Empty: no sample has one.
-  std::string pupil_unit{};
-  std::vector<TraceTrial> trials{};
   std::vector<TrackerCalibration> calibrations{};
-  /// What the file does not state and the reader assumed, a phrase each.
-  std::vector<std::string> assumed{};
-  /// What looks wrong in the positions, a sentence each.
-  std::vector<std::string> warnings{};
 };
 
 using TakeSample = std::function<void(const GazeSample&)>;

@@ -1,7 +1,6 @@
 #include "gaze/sources/trace_summary.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace foci {
 namespace {

@@ -1,8 +1,6 @@
 #include "gaze/sources/trials.h"
 
 #include <algorithm>
-#include <optional>
-#include <utility>
 
 #include "base/text.h"
 

@@ -378,6 +378,6 @@ TraceHeader readXdf(const RecordingFile& file, const Screen& fallback_screen,
 
 }  // namespace
 
-const RecordingFormat kXdf{.is = isXdf, .read = readXdf};
+const RecordingFormat kXdf{.name = "XDF", .is = isXdf, .read = readXdf};
 
 }  // namespace foci

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/input_error.h"
-#include "gaze/webcam/iris.h"
 
 namespace foci {
 namespace {
@@ -94,14 +93,14 @@ std::optional<WebcamReference> CascadeTracker::reference() const {
 }
 
 bool CascadeTracker::findHead(const cv::Mat& grey) {
-  const auto face = finder_.find(grey);
-  if (!face) return false;
+  const auto eyes_px = finder_.find(grey);
+  if (!eyes_px) return false;
   if (given_) {
     head_.start(given_->head);
     eyes_mm_ = given_->eyes_mm;
     given_.reset();
   }
-  const HeadPose frontal = HeadTracker::frontal(camera_, face->eyes_px);
+  const HeadPose frontal = HeadTracker::frontal(camera_, *eyes_px);
   if (head_.started() && failures_ < kMaxFailures) {
     if (head_.follow(grey, frontal)) {
       failures_ = 0;
@@ -113,7 +112,7 @@ bool CascadeTracker::findHead(const cv::Mat& grey) {
   failures_ = 0;
   head_.start(grey, frontal);
   for (std::size_t i = 0; i < 2; ++i) {
-    eyes_mm_[i] = onHeadPlane_mm(camera_, head_.pose(), face->eyes_px[i], kIrisDepth_mm);
+    eyes_mm_[i] = onHeadPlane_mm(camera_, head_.pose(), (*eyes_px)[i], kIrisDepth_mm);
     offset_mm_[i] = glm::dvec2(0.0);
     usual_contrast_[i] = 0.0;
     radius_mm_[i] = kLimbus_mm;
@@ -272,10 +271,10 @@ FaceFinder::FaceFinder() : cascades_(std::make_unique<Cascades>()) {}
 FaceFinder::~FaceFinder() = default;
 FaceFinder::FaceFinder(FaceFinder&& other) noexcept = default;
 
-std::optional<FoundFace> FaceFinder::find(const cv::Mat& grey) {
+std::optional<std::array<glm::dvec2, 2>> FaceFinder::find(const cv::Mat& grey) {
   // Of all pairs of irises, take the one that suits a face best.
   double best = 0.0;
-  FoundFace face;
+  std::array<glm::dvec2, 2> eyes_px{};
   for (const cv::Rect2d& box : cascades_->faces(grey)) {
     const std::vector<glm::dvec2> seen_px = cascades_->eyesIn(grey, box);
     const std::vector<Candidate> lefts = irisesOf(grey, box, 0, seen_px);
@@ -290,12 +289,12 @@ std::optional<FoundFace> FaceFinder::find(const cv::Mat& grey) {
         const double score = (left.score + right.score) * suits;
         if (score > best) {
           best = score;
-          face.eyes_px = {left.centre_px, right.centre_px};
+          eyes_px = {left.centre_px, right.centre_px};
         }
       }
     }
   }
-  return best > 0.0 ? std::optional(face) : std::nullopt;
+  return best > 0.0 ? std::optional(eyes_px) : std::nullopt;
 }
 
 }  // namespace foci

@@ -19,11 +19,6 @@ class Mat;
 
 namespace foci {
 
-struct FoundFace {
-  /// Centres of the irises, px. Index 0 is the observer's left eye, at the image's right.
-  std::array<glm::dvec2, 2> eyes_px{};
-};
-
 class FaceFinder {
  public:
   /// @throws InputError if the cascades are not installed
@@ -33,7 +28,8 @@ class FaceFinder {
 
   /// Finds a face that is at least an eighth of the image wide and has open eyes.
   /// @param grey  8 bits, one channel
-  std::optional<FoundFace> find(const cv::Mat& grey);
+  /// @return centres of the irises, px. Index 0 is the observer's left eye, at the image's right
+  std::optional<std::array<glm::dvec2, 2>> find(const cv::Mat& grey);
 
  private:
   struct Cascades;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
-#include <vector>
+
+#include "base/quantile.h"
 
 namespace foci {
 namespace {
@@ -82,12 +82,6 @@ glm::dmat3 orthonormal(const glm::dmat3& m) {
   const glm::dvec3 x = glm::normalize(m[0]);
   const glm::dvec3 y = glm::normalize(m[1] - glm::dot(m[1], x) * x);
   return {x, y, glm::cross(x, y)};
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -287,7 +281,7 @@ std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const gl
   constexpr std::size_t kMinPoints = 6;
   if (points_mm.size() < kMinPoints) return std::nullopt;
   HeadPoseFit fit{.pose = start};
-  std::vector<double> off(points_mm.size());
+  std::vector<double> off(points_mm.size()), sorted;
   constexpr int kRounds = 12;
   for (int round = 0; round <= kRounds; ++round) {
     for (std::size_t i = 0; i < off.size(); ++i) {
@@ -296,7 +290,8 @@ std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const gl
       off[i] = std::sqrt(weights[i]) *
                glm::distance(project(camera, fit.pose, points_mm[i]), image_px[i]);
     }
-    const double spread = std::max(1.4826 * median(off), kMinSpread_px);
+    sorted = off;
+    const double spread = std::max(1.4826 * quantile(sorted, 0.5), kMinSpread_px);
     const double limit = kTukey * spread;
     if (round == kRounds) {
       double count = 0.0, sum2 = 0.0;

@@ -21,6 +21,8 @@ namespace foci {
 struct Pinhole {
   glm::dvec2 focal_px{0.0};
   glm::dvec2 principal_px{0.0};
+
+  bool operator==(const Pinhole&) const = default;
 };
 
 /// A calibrated camera.
@@ -29,10 +31,7 @@ struct Lens : Pinhole {
   std::array<double, 5> distortion{};
   glm::ivec2 size_px{0, 0};  ///< size of the calibrated frames; 0: any size
 
-  bool operator==(const Lens& other) const {
-    return focal_px == other.focal_px && principal_px == other.principal_px &&
-           distortion == other.distortion && size_px == other.size_px;
-  }
+  bool operator==(const Lens&) const = default;
 };
 
 /// The camera model of a usual webcam, for a camera without calibration: 60 degrees wide.

@@ -7,24 +7,17 @@
 namespace foci {
 
 std::string textOf(WebcamProblem problem, double ipd_px) {
-  switch (problem) {
-    case WebcamProblem::too_dark:
-      return "no face in view: the image is too dark";
-    case WebcamProblem::no_face:
-      return "no face in view";
-    case WebcamProblem::glints:
-      return "glints cover the iris: move the light or the glasses";
-    case WebcamProblem::one_eye_hidden:
-      return "one eye is hidden";
-    case WebcamProblem::too_far:
-      return "the face is too far away or the image too small: the iris has " +
-             decimal(2.0 * kLimbus_mm * ipd_px / kMeanIpd_mm, 1) + " pixels, 8 are needed";
-    case WebcamProblem::several_faces:
-      return "several faces: the one that was followed, or else the largest, is used";
-    case WebcamProblem::none:
-      break;
-  }
-  return "";
+  constexpr std::array<const char*, 7> kTexts = {
+      "",
+      "no face in view: the image is too dark",
+      "no face in view",
+      "glints cover the iris: move the light or the glasses",
+      "one eye is hidden",
+      "the face is too far away or the image too small: the iris has ",
+      "several faces: the one that was followed, or else the largest, is used"};
+  const std::string text = kTexts[static_cast<std::size_t>(problem)];
+  if (problem != WebcamProblem::too_far) return text;
+  return text + decimal(2.0 * kLimbus_mm * ipd_px / kMeanIpd_mm, 1) + " pixels, 8 are needed";
 }
 
 void WebcamProblems::add(const WebcamRecord& record) {

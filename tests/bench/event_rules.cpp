@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
 #include "gaze/sources/labelled.h"
@@ -120,8 +121,8 @@ Score scoreOf(const LabelledTrace& labelled, const EventRules& rules, bool onlin
   EventSettings settings;
   settings.rules = rules;
   const GazeTrace& trace = labelled.trace;
-  const auto states = online ? labelSamplesOnline(trace, *trace.screen, settings)
-                             : labelSamples(trace, *trace.screen, settings);
+  const auto states = online ? labelEvents(trace, *trace.screen, settings, true).states
+                             : labelEvents(trace, *trace.screen, settings).states;
   Score score;
   for (std::size_t c = 0; c < std::min<std::size_t>(labelled.coders.size(), 2); ++c) {
     for (std::size_t i = 0; i < states.size(); ++i) {

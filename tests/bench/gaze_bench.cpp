@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
 #include "gaze/live/simulator.h"
@@ -34,14 +35,14 @@ void countSamples(benchmark::State& state, const GazeTrace& trace) {
 
 void BM_LabelOffline(benchmark::State& state) {
   const GazeTrace trace = walk(static_cast<double>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(labelSamples(trace, kScreen));
+  for (auto _ : state) benchmark::DoNotOptimize(labelEvents(trace, kScreen).states);
   countSamples(state, trace);
 }
 BENCHMARK(BM_LabelOffline)->Arg(60)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
 
 void BM_LabelOnline(benchmark::State& state) {
   const GazeTrace trace = walk(static_cast<double>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(labelSamplesOnline(trace, kScreen));
+  for (auto _ : state) benchmark::DoNotOptimize(labelEvents(trace, kScreen, {}, true).states);
   countSamples(state, trace);
 }
 BENCHMARK(BM_LabelOnline)->Arg(60)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);

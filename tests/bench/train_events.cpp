@@ -18,6 +18,7 @@
 #include "gaze/geometry/line_of_sight.h"
 #include "tests/bench/boosting.h"
 #include "tests/bench/event_scores.h"
+#include "tests/bench/packed_model.h"
 #include "tests/bench/training_data.h"
 
 namespace foci {

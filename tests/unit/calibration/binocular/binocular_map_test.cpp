@@ -44,7 +44,7 @@ GazeTrace looking(const BinocularMap& map, const glm::dvec2& target_m) {
     const auto eye = seen(map, side, {side == 0 ? -0.03 : 0.03, 0.02, 0.6}, target_m);
     sample.eyes[side] = {.origin_m = eye.centre_m, .direction = eye.direction};
   }
-  return {.format = "test", .samples = {sample}};
+  return {{.format = "test"}, 0.0, {sample}};
 }
 
 TEST(BinocularFile, ComesBackToTheLastDigit) {
@@ -135,5 +135,5 @@ TEST(ReadBinocularPairs, TakesOneEyeOrBothAndRefusesByLine) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

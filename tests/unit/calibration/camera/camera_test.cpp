@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/input_error.h"
+#include "tests/unit/calibration/camera/brown.h"
 
 namespace foci {
 namespace FOCI_FILE {

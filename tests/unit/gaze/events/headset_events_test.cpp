@@ -16,7 +16,7 @@ constexpr double kRate_Hz = 120.0, kSaccade_deg = 12.0;
 /// A head that swings by 25 degrees to each side, at up to 79 deg/s. Gaze rests on a point, and
 /// after 2 s on another one, 12 degrees above it.
 GazeTrace swingingHead() {
-  GazeTrace trace{.format = "simulated", .screen = headsetScreen({}, 12.0), .rate_Hz = kRate_Hz};
+  GazeTrace trace{{.format = "simulated", .screen = headsetScreen({}, 12.0)}, kRate_Hz};
   for (int i = 0; i < 480; ++i) {
     const double time_s = i / kRate_Hz;
     const double yaw_rad = glm::radians(25.0) * std::sin(M_PI * time_s);

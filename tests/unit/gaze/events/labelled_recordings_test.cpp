@@ -45,8 +45,8 @@ TEST(LabelByRules, IsNotWorseThanOnlineOnAnyLabelledRecording) {
     for (const auto& entry : std::filesystem::directory_iterator(recordings)) {
       const LabelledTrace labelled = readNominal(entry.path());
       const GazeTrace& trace = labelled.trace;
-      EXPECT_GE(kappaOf(labelSamples(trace, *trace.screen, rules), labelled.coders),
-                kappaOf(labelSamplesOnline(trace, *trace.screen, rules), labelled.coders))
+      EXPECT_GE(kappaOf(labelEvents(trace, *trace.screen, rules).states, labelled.coders),
+                kappaOf(labelEvents(trace, *trace.screen, rules, true).states, labelled.coders))
           << entry.path().filename();
     }
   }
@@ -59,8 +59,9 @@ TEST(LabelTrained, IsNotWorseThanOnlineOnAnySetOfRecordings) {
   std::map<std::string, double> offline, online;
   for (const LabelledRecording& each : readRecordings(folder)) {
     const GazeTrace& trace = each.labelled.trace;
-    offline[each.kind] += kappaOf(labelSamples(trace, *trace.screen), each.labelled.coders);
-    online[each.kind] += kappaOf(labelSamplesOnline(trace, *trace.screen), each.labelled.coders);
+    offline[each.kind] += kappaOf(labelEvents(trace, *trace.screen).states, each.labelled.coders);
+    online[each.kind] +=
+        kappaOf(labelEvents(trace, *trace.screen, {}, true).states, each.labelled.coders);
   }
   EXPECT_EQ(offline.size(), 3u);
   for (const auto& [kind, sum] : offline) EXPECT_GE(sum, online[kind]) << kind;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/live/simulator.h"
 
@@ -22,7 +23,7 @@ SimulatedGaze smallSteps() {
 
 /// Share of the simulated saccades before `until_s` that the detector finds.
 double foundBefore(const SimulatedGaze& gaze, double until_s) {
-  const auto states = labelSamples(gaze.trace, kScreen);
+  const auto states = labelEvents(gaze.trace, kScreen).states;
   double found = 0.0, all = 0.0;
   for (std::size_t i = 1; i < states.size() && gaze.trace.samples[i].time_s < until_s; ++i) {
     const bool begins =

@@ -118,7 +118,7 @@ TEST(OnlineEvents, AStepBetweenIrregularSamplesIsASaccadeAndThenAFixation) {
         if (sample.time_s >= still_s) sample.point_px = glm::dvec2(300, 800);
         sample.time_s += late(random) / rate_Hz;
       }
-      const auto states = labelSamplesOnline(trace, kScreen);
+      const auto states = labelEvents(trace, kScreen, {}, true).states;
       EXPECT_EQ(std::count(states.begin(), states.end(), GazeState::pursuit), 0) << rate_Hz;
       EXPECT_GE(std::count(states.begin(), states.end(), GazeState::saccade), 1) << rate_Hz;
       EXPECT_EQ(states.back(), GazeState::fixation) << rate_Hz;
@@ -133,7 +133,8 @@ TEST(OnlineEvents, AStepInABreakIsNoPursuit) {
     trace.samples[i].point_px = glm::dvec2(300, 800);
     trace.samples[i].time_s += 0.06;
   }
-  for (const auto& states : {labelSamplesOnline(trace, kScreen), labelSamples(trace, kScreen)}) {
+  for (const auto& states :
+       {labelEvents(trace, kScreen, {}, true).states, labelEvents(trace, kScreen).states}) {
     EXPECT_EQ(std::count(states.begin(), states.end(), GazeState::pursuit), 0);
   }
 }
@@ -156,7 +157,7 @@ TEST(OnlineEvents, DoesNotDependOnLaterSamples) {
 TEST(LabelSamples, FindsSimulatedFixationsAtEveryRate) {
   for (double rate_Hz : {30.0, 60.0, 120.0, 300.0, 500.0, 1000.0, 2000.0}) {
     const SimulatedGaze gaze = simulateGaze(walk(), kScreen, rate_Hz, 7, {.noise_deg = 0.01});
-    const auto states = labelSamples(gaze.trace, kScreen, kRules);
+    const auto states = labelEvents(gaze.trace, kScreen, kRules).states;
     ASSERT_EQ(states.size(), gaze.states.size());
     CohensKappa stable;
     for (std::size_t i = 0; i < states.size(); ++i) {
@@ -182,8 +183,8 @@ TEST(LabelSamples, BridgesShortGapsAndTellsBlinksFromDataLoss) {
   trace.samples[100].blink = true;  // the tracker reports a blink at 0.2 s
   trace.samples[100].point_px.reset();
   for (const bool online : {false, true}) {
-    const auto states =
-        online ? labelSamplesOnline(trace, kScreen, kRules) : labelSamples(trace, kScreen, kRules);
+    const auto states = online ? labelEvents(trace, kScreen, kRules, true).states
+                               : labelEvents(trace, kScreen, kRules).states;
     const auto at = [&](double time_s) {
       return states[static_cast<std::size_t>(500 * time_s + 0.5)];
     };
@@ -211,7 +212,7 @@ TEST(LabelSamples, TheMotionOfTheLidIsPartOfTheBlink) {
       trace.samples[i].point_px->y += 8000.0 * std::min(since_s, until_s);
     }
   }
-  const auto states = labelSamples(trace, kScreen, kRules);
+  const auto states = labelEvents(trace, kScreen, kRules).states;
   for (std::size_t i = 505; i < 595; ++i) ASSERT_EQ(states[i], GazeState::blink) << i;
   EXPECT_EQ(std::count(states.begin(), states.end(), GazeState::saccade), 0);
 }
@@ -220,7 +221,7 @@ TEST(LabelSamples, ASpikeIsNoSaccade) {
   for (const std::size_t length : {1, 2, 3}) {
     GazeTrace trace = stillTrace(250, 1.0);
     for (std::size_t i = 100; i < 100 + length; ++i) trace.samples[i].point_px->x += 200.0;
-    for (const GazeState state : labelSamples(trace, kScreen, kRules)) {
+    for (const GazeState state : labelEvents(trace, kScreen, kRules).states) {
       EXPECT_EQ(state, GazeState::fixation) << length;
     }
   }
@@ -231,7 +232,7 @@ TEST(LabelSamples, ThresholdsRiseWithTheNoise) {
     for (const double noise_deg : {0.1, 0.3, 1.0}) {
       const SimulatedGaze still = simulateGaze({{{960, 540}, 6.0}}, kScreen, rate_Hz, 3,
                                                {.noise_deg = noise_deg, .blink_rate_Hz = 0.0});
-      const auto states = labelSamples(still.trace, kScreen, kRules);
+      const auto states = labelEvents(still.trace, kScreen, kRules).states;
       const auto false_alarms = std::count_if(states.begin(), states.end(),
                                               [](GazeState state) { return !isStable(state); });
       EXPECT_LE(static_cast<double>(false_alarms), 0.02 * static_cast<double>(states.size()))
@@ -239,7 +240,7 @@ TEST(LabelSamples, ThresholdsRiseWithTheNoise) {
 
       const SimulatedGaze gaze =
           simulateGaze(walk(), kScreen, rate_Hz, 3, {.noise_deg = noise_deg});
-      const auto walked = labelSamples(gaze.trace, kScreen, kRules);
+      const auto walked = labelEvents(gaze.trace, kScreen, kRules).states;
       CohensKappa stable;
       for (std::size_t i = 0; i < walked.size(); ++i) {
         if (gaze.states[i] == GazeState::blink) continue;
@@ -258,7 +259,7 @@ TEST(LabelSamples, TellsPursuitFromFixationAtAnySpeedOfTheTarget) {
       // One saccade leads to the target, and another one back to rest.
       *trace.samples[i].point_px += glm::dvec2(300.0 + moved_px, 0.0);
     }
-    const auto states = labelSamples(trace, kScreen, kRules);
+    const auto states = labelEvents(trace, kScreen, kRules).states;
     EXPECT_EQ(states[100], GazeState::fixation);
     EXPECT_EQ(states[375], GazeState::pursuit) << speed_px_s;
     EXPECT_EQ(states[650], GazeState::fixation);
@@ -395,8 +396,8 @@ TEST(LabelSamples, AgreesWithHumanCodersAsTheyDoAmongThemselves) {
       constexpr std::size_t kEnough = 20'000;
       GazeTrace trace = readTrace(entry.path(), {}, nominal);
       trace.samples.resize(std::min(trace.samples.size(), kEnough));
-      const auto states = labelSamples(trace, *trace.screen, kRules);
-      const auto causal = labelSamplesOnline(trace, *trace.screen, kRules);
+      const auto states = labelEvents(trace, *trace.screen, kRules).states;
+      const auto causal = labelEvents(trace, *trace.screen, kRules, true).states;
       std::ifstream in(entry.path());
       std::string line, field, label;
       std::getline(in, line);

@@ -165,7 +165,7 @@ TEST(RecordingQuality, CountsLossAtBothEndsAsGaps) {
 }
 
 TEST(RecordingQuality, HasNoStepsAcrossAPause) {
-  GazeTrace trace{.format = "test", .screen = kScreen, .rate_Hz = 500.0};
+  GazeTrace trace{{.format = "test", .screen = kScreen}, 500.0};
   for (int i = 0; i < 400; ++i) {
     GazeSample sample{.time_s = 0.002 * i + (i < 200 ? 0.0 : 3.0)};
     sample.point_px = glm::dvec2(i < 200 ? 500.0 : 1500.0, 400.0);

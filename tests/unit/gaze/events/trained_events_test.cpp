@@ -18,6 +18,7 @@
 #include "gaze/live/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/bench/boosting.h"
+#include "tests/bench/packed_model.h"
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {
@@ -303,14 +304,14 @@ TEST(LabelEvents, OnlineDoNotDependOnLaterSamples) {
   }
   for (const Detector detector : kDetectors) {
     const EventSettings settings{.detector = detector};
-    const auto all = labelSamplesOnline(gaze.trace, kScreen, settings);
+    const auto all = labelEvents(gaze.trace, kScreen, settings, true).states;
     if (detector != Detector::rules) {
       EXPECT_GT(std::count(all.begin(), all.end(), GazeState::unjudged), 20) << nameOf(detector);
     }
     for (std::size_t end = 20; end <= samples.size(); ++end) {
       GazeTrace cut = gaze.trace;
       cut.samples.resize(end);
-      const auto states = labelSamplesOnline(cut, kScreen, settings);
+      const auto states = labelEvents(cut, kScreen, settings, true).states;
       const std::size_t known = end - OnlineEvents(kScreen, 60, settings).delaySamples();
       for (std::size_t i = 0; i < known; ++i) {
         ASSERT_EQ(states[i], all[i]) << nameOf(detector) << ", cut after " << end << ", at " << i;
@@ -385,7 +386,7 @@ TEST(LabelEvents, WithoutPursuitFollowedTargetsAreFixated) {
 
 /// Gaze that rests in the world and jumps, seen from a head that turns by `turn_deg` to each side.
 GazeTrace headsetTrace(double rate_Hz, double turn_deg, bool knows_head) {
-  GazeTrace trace{.format = "simulated", .screen = headsetScreen({}, 12.0), .rate_Hz = rate_Hz};
+  GazeTrace trace{{.format = "simulated", .screen = headsetScreen({}, 12.0)}, rate_Hz};
   trace.field = EyeField{};
   std::mt19937 random(4);
   std::normal_distribution<double> noise_rad(0.0, glm::radians(0.05));

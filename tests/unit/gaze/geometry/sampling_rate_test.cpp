@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
 
@@ -16,7 +17,7 @@ const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.531, 0.299}, .distanc
 
 /// A new point each half second, in blocks of 4 s. Saccades last 40 ms.
 GazeTrace blocks(const std::vector<double>& rates_Hz, double pause_s) {
-  GazeTrace trace{.format = "test", .screen = kScreen, .rate_Hz = rates_Hz[0]};
+  GazeTrace trace{{.format = "test", .screen = kScreen}, rates_Hz[0]};
   const glm::dvec2 points_px[] = {{500, 300}, {1400, 300}, {1400, 800}, {500, 800}};
   double begin_s = 0.0;
   for (const double rate_Hz : rates_Hz) {
@@ -61,7 +62,7 @@ TEST(SamplingRate, StretchesBeginWhereTheRateChanges) {
 
 TEST(SamplingRate, OneRateIsOneStretchAtTheTracesOwnRate) {
   // Times in whole milliseconds, rows in pairs, and data loss are no change of rate.
-  GazeTrace trace{.format = "test", .rate_Hz = 60.0};
+  GazeTrace trace{{.format = "test"}, 60.0};
   for (int i = 0; i < 3000; ++i) {
     const bool lost = i % 100 > 90;
     const double jitter_s = i % 2 == 0 ? 0.005 : 0.0;
@@ -80,7 +81,7 @@ TEST(SamplingRate, EventsOfASlowerBlockAreFound) {
       EXPECT_EQ(count(events, GazeState::fixation, from_s, from_s + 4.0), 8u) << rates_Hz[1];
       EXPECT_EQ(count(events, GazeState::saccade, from_s, from_s + 4.0), 7u) << rates_Hz[1];
     }
-    const auto online = eventsOf(labelSamplesOnline(trace, kScreen), trace, kScreen);
+    const auto online = eventsOf(labelEvents(trace, kScreen, {}, true).states, trace, kScreen);
     EXPECT_EQ(count(online, GazeState::saccade, 5.0, 9.0), 7u) << rates_Hz[1];
   }
 }

@@ -296,7 +296,7 @@ TEST(PupilSource, RefusesMalformedAddressesAndNeverWaits) {
 }
 
 TEST(TraceSource, PlaysInRealTimeOnTheCallersClock) {
-  GazeTrace trace{.format = "TSV", .rate_Hz = 100.0};
+  GazeTrace trace{{.format = "TSV"}, 100.0};
   for (int i = 0; i < 100; ++i) trace.samples.push_back({.time_s = 50.0 + 0.01 * i});
   TraceSource source(trace);
   std::vector<GazeSample> samples;

@@ -223,7 +223,7 @@ TEST_F(Bids, RoundTripsTheGazeOfBothEyesTogether) {
     samples.push_back(sample);
   }
   const auto file =
-      convert(samples, {.format = "test", .screen = kScreen, .assumed = {"unit: px"}}, folder);
+      convert(samples, {{.format = "test", .screen = kScreen, .assumed = {"unit: px"}}}, folder);
   EXPECT_TRUE(file.string().ends_with("sub-01_task-look_recording-eye1_physio.tsv.gz"));
   const GazeTrace trace = readTrace(file, {}, {});
   EXPECT_EQ(trace.assumed, std::vector<std::string>{"as foci converted it: unit: px"});
@@ -256,7 +256,7 @@ TEST_F(Bids, EachEyeHasAFileWithoutEmptyColumns) {
     samples.push_back(sample);
   }
   const auto file =
-      convert(samples, {.format = "test", .screen = kScreen, .pupil_unit = "arbitrary"}, folder);
+      convert(samples, {{.format = "test", .screen = kScreen, .pupil_unit = "arbitrary"}}, folder);
   const GazeTrace trace = readTrace(file, {}, {});
   EXPECT_EQ(trace.format, "BIDS eye tracking, binocular");
   EXPECT_EQ(*trace.samples[7].eyes[0].point_px, glm::dvec2(400, 7));
@@ -296,5 +296,5 @@ TEST(ReadTrace, ReadsEveryVendorsRealFile) {
   EXPECT_NEAR(*tobii.samples[0].pupil_mm, 0.5 * (2.97882080078 + 3.37985229492), 1e-9);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -94,9 +94,8 @@ double shareFound(int count, bool glasses, double noise) {
     cv::cvtColor(face.photograph(moment, how), grey, cv::COLOR_BGR2GRAY);
     const auto found = finder.find(grey);
     const faces::Truth truth = face.truthOf(moment, how);
-    good += found &&
-            glm::distance(found->eyes_px[0], truth.iris_px[0]) < 0.05 * truth.eyeDistance_px() &&
-            glm::distance(found->eyes_px[1], truth.iris_px[1]) < 0.05 * truth.eyeDistance_px();
+    good += found && glm::distance((*found)[0], truth.iris_px[0]) < 0.05 * truth.eyeDistance_px() &&
+            glm::distance((*found)[1], truth.iris_px[1]) < 0.05 * truth.eyeDistance_px();
   }
   return static_cast<double>(good) / count;
 }

@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/input_error.h"
-#include "calibration/camera/camera.h"
 #include "tests/faces/face.h"
+#include "tests/unit/calibration/camera/brown.h"
 
 namespace foci {
 namespace FOCI_FILE {
