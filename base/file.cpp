@@ -1,15 +1,17 @@
 #include "base/file.h"
 
 #include <unistd.h>
-
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
 
-#include "base/words.h"
+#include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
+
 namespace fs = std::filesystem;
 
 std::string lowerExtension(const fs::path& path) { return lowered(path.extension().string()); }
@@ -45,6 +47,23 @@ void writeText(const fs::path& path, const std::string& text) {
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.close();
   if (!out) throw std::runtime_error(cannotWrite(path));
+}
+
+std::string bytesOfFile(const std::filesystem::path& file, std::uintmax_t most) {
+  requireRegularFile(file);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::ifstream in(file, std::ios::binary);
+  if (error || !in) throw InputError(file.string(), "cannot be read");
+  if (size > most) {
+    throw InputError(file.string(), "has " + thousands(static_cast<double>(size)) +
+                                        " bytes: expected at most " +
+                                        thousands(static_cast<double>(most)));
+  }
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(size));
+  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  return bytes;
 }
 
 }  // namespace foci

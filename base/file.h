@@ -1,6 +1,7 @@
 // Names of files, and writing them so that no reader meets a half-written one.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -20,5 +21,8 @@ void replaceFile(const std::filesystem::path& path, const std::string& bytes);
 
 /// Writes `text` directly to a file. @throws std::runtime_error if not all of it could be written
 void writeText(const std::filesystem::path& path, const std::string& text);
+
+/// @throws InputError if it is no regular file, cannot be read, or has more than `most` bytes
+std::string bytesOfFile(const std::filesystem::path& file, std::uintmax_t most);
 
 }  // namespace foci

@@ -1,10 +1,16 @@
-// Numbers and quoted strings as text, the same in every locale.
+// Numbers, words and quoted strings, from text and to it, the same in every locale.
 #pragma once
 
+#include <charconv>
+#include <cmath>
+#include <concepts>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
+#include <vector>
 
 namespace foci {
 
@@ -61,5 +67,35 @@ std::string visible(std::string_view text);
 
 /// `text` in double quotes, escaped for JSON and TOML alike.
 std::string quotedText(std::string_view text);
+
+/// In small letters, as far as they are ASCII.
+char lowered(char c);
+std::string lowered(std::string_view text);
+
+/// What stands between blanks, or between other characters.
+std::vector<std::string_view> wordsOf(std::string_view text, std::string_view between = " \t\r\n");
+
+/// A decimal number that fills the word, "nan" and "inf" among them. One that a double does not
+/// hold is infinite, or 0.
+std::optional<double> numberOf(std::string_view word);
+
+/// A finite decimal number, with or without a sign. The number must fill the whole text, so that
+/// "1 " and "1px" give nothing.
+inline std::optional<double> parseNumber(std::string_view text) {
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool fills = error == std::errc() && end == text.data() + text.size();
+  return fills && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// A decimal integer that fills the whole text and fits into the type. No plus sign.
+template <std::integral Integer>
+std::optional<Integer> parseInteger(std::string_view text) {
+  Integer value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool fills = error == std::errc() && end == text.data() + text.size();
+  return fills ? std::optional(value) : std::nullopt;
+}
 
 }  // namespace foci

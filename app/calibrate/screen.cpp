@@ -8,7 +8,7 @@
 #include "app/calibrate/windows.h"
 #include "app/platform/output_files.h"
 #include "base/input_error.h"
-#include "base/number.h"
+#include "base/text.h"
 #include "calibration/calibration_file.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/screen/screen_size.h"

@@ -17,7 +17,7 @@
 #include "app/evaluation/stability/page.h"
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/platform/progress.h"
 #include "app/platform/warnings.h"
 #include "base/input_error.h"

@@ -10,7 +10,7 @@
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
-#include "app/record/quality_json.h"
+#include "app/record/manifest.h"
 #include "app/record/tables.h"
 #include "app/study/study_words.h"
 #include "base/input_error.h"

@@ -13,7 +13,6 @@
 #include "app/platform/output_files.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/parallel.h"
+#include "base/text.h"
 
 namespace foci {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/record/run_summary.h"
+#include "app/record/manifest.h"
 
 namespace foci {
 

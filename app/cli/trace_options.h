@@ -4,15 +4,33 @@
 #include <functional>
 #include <string>
 
-#include "app/cli/screen_options.h"
 #include "gaze/events/event_settings.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace CLI {
 class App;
 }
 
+namespace CLI {
+class App;
+}
+
 namespace foci {
+
+/// Texts as the user typed them; an empty text means that the option was not given.
+struct ScreenOptions {
+  std::string size_px{}, size_m{}, distance_m{};
+};
+
+/// Adds --screen-px WxH, --screen-m WxH and --distance-m D.
+void addScreenOptions(CLI::App& command, ScreenOptions& options);
+
+/// Quantities that were not given are 0. @throws InputError
+Screen screenOf(const ScreenOptions& options);
+
+/// @throws InputError if a quantity that turns pixels into angles is missing
+void requireWholeScreen(const Screen& screen, const std::string& file);
 
 struct TraceOptions {
   std::string units{}, study{}, rows{};

@@ -4,7 +4,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/image_codec.h"
-#include "base/image_header.h"
 #include "render/image/srgb.h"
 
 namespace foci {

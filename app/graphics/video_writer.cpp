@@ -11,8 +11,7 @@
 #include <thread>
 
 #include "app/platform/machine.h"
-#include "app/platform/shell_pipe.h"
-#include "app/platform/shell_word.h"
+#include "app/platform/shell.h"
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/text.h"

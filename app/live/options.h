@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/record/durations.h"
-#include "app/record/gaze_reception.h"
-#include "app/record/landing.h"
+#include "app/record/live_facts.h"
 #include "app/study/study.h"
 #include "render/scene/io/open_scene.h"
 

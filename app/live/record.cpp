@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "app/platform/output_files.h"
-#include "app/platform/output_folder.h"
 #include "app/record/manifest.h"
 #include "app/record/run_events.h"
 #include "app/study/inputs.h"

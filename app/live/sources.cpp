@@ -6,7 +6,6 @@
 #include "app/study/gaze_calibration.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
 #include "calibration/webcam/webcam_calibration.h"
 #include "gaze/live/lsl_source.h"

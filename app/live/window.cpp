@@ -20,7 +20,7 @@
 #include "app/live/remote_control.h"
 #include "app/live/renderer.h"
 #include "app/platform/interrupt.h"
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/platform/remote_socket.h"
 #include "app/record/gaze_marker.h"
 #include "app/study/study_words.h"

@@ -11,7 +11,6 @@
 #include <stdexcept>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {

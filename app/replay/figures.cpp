@@ -8,7 +8,7 @@
 #include <set>
 
 #include "app/graphics/image.h"
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"

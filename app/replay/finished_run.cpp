@@ -8,7 +8,7 @@
 
 #include "app/platform/sha256.h"
 #include "app/study/study_text.h"
-#include "base/file_bytes.h"
+#include "base/file.h"
 #include "base/input_error.h"
 
 namespace foci {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/study/study.h"
 #include "render/image/frame.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "app/record/run_summary.h"
+#include "app/record/manifest.h"
 #include "app/replay/report.h"
 #include "app/replay/report_charts.h"
 #include "app/session/frame_record.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "app/platform/version.h"
-#include "app/record/quality_json.h"
+#include "app/record/manifest.h"
 #include "base/text.h"
 #include "gaze/focus/pupil.h"
 

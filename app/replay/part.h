@@ -7,12 +7,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "app/graphics/video_writer.h"
 #include "app/replay/replay.h"
-#include "app/replay/seen_frame.h"
+#include "app/replay/replayed_eye.h"
 #include "app/study/study.h"
 
 namespace foci {
@@ -82,5 +83,10 @@ Image imageOf(const Part& part, const PartFrame& frame, const glm::ivec2& size_p
 /// @param maps  of the study
 /// @throws InputError as `imageOf`
 std::vector<std::string> mapsOf(const Part& part, std::size_t i, const std::vector<FrameMap>& maps);
+
+nlohmann::ordered_json jsonOf(const PartFrame& frame);
+
+/// @throws nlohmann::json::exception, std::runtime_error
+PartFrame partFrameOf(const nlohmann::ordered_json& json);
 
 }  // namespace foci

@@ -2,16 +2,23 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/glm.hpp>
 #include <string>
 #include <vector>
 
 #include "app/platform/warnings.h"
 #include "app/replay/replay_inputs.h"
-#include "app/replay/seen_frame.h"
+#include "app/session/frame_record.h"
 #include "app/session/session.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
+
+struct SeenFrame {
+  FrameRecord record{};
+  std::vector<glm::dvec2> gaze_px{};  ///< in the image, one for each view
+  bool marker = false;                ///< the image shows where the observer looks
+};
 
 class ReplayedEye {
  public:

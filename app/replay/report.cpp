@@ -10,7 +10,7 @@
 
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
-#include "app/record/quality_json.h"
+#include "app/record/manifest.h"
 #include "app/record/tables.h"
 #include "app/replay/methods_text.h"
 #include "app/replay/report_explorer.h"

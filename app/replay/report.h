@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "app/record/manifest.h"
 #include "app/record/run_events.h"
-#include "app/record/run_summary.h"
 #include "app/replay/contact_sheet.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"

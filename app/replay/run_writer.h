@@ -6,16 +6,16 @@
 #include <vector>
 
 #include "app/graphics/video_writer.h"
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/platform/sha256.h"
 #include "app/platform/warnings.h"
-#include "app/record/run_summary.h"
+#include "app/record/manifest.h"
 #include "app/record/tables.h"
 #include "app/replay/contact_sheet.h"
 #include "app/replay/fixation_tables.h"
 #include "app/replay/frame_statistics.h"
 #include "app/replay/replay_inputs.h"
-#include "app/replay/seen_frame.h"
+#include "app/replay/replayed_eye.h"
 #include "app/replay/surface_agreement.h"
 
 namespace foci {

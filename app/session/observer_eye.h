@@ -1,9 +1,13 @@
-// The optics of the observer's own eye.
+// The observer's own eye: its optics, its pupil over time, and its state as it is rendered.
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "app/session/session_settings.h"
+#include "gaze/focus/pupil.h"
+#include "gaze/geometry/gaze_sample.h"
+#include "render/image/frame.h"
 #include "render/optics/defocus.h"
 #include "render/optics/pupil.h"
 
@@ -22,5 +26,56 @@ Defocus defocusOfEye(const ObserverSettings& observer, double pupil_mm, const gl
 /// @param focus_D  mean over all meridians; what exceeds the far point is accommodation
 Pupil pupilOfEye(const ObserverSettings& observer, bool left, double pupil_mm,
                  const glm::vec2& focal_px, double focus_D);
+
+class ObserverPupil {
+ public:
+  explicit ObserverPupil(const SessionSettings& settings);
+
+  /// Sets the fixed diameter from now on.
+  void fix(double pupil_mm) { fixed_mm_ = pupil_mm; }
+
+  /// A recorded diameter stays until the next one, through blinks and data loss.
+  void push(const GazeSample& sample);
+
+  /// Whether the pupil depends on the frames that are shown.
+  bool followsFrames() const { return by_luminance_; }
+
+  /// A frame was shown at `time_s`, not before the last one. The pupil adapts to it until the next.
+  void show(double time_s, const Frame& frame);
+
+  /// Whether a first frame, sharp or blurred, must be shown before there is a diameter.
+  bool needsFrame() const { return by_luminance_ && !shown_mm_; }
+
+  /// Millimetres. Not while `needsFrame` (asserted).
+  /// @param time_s  not before the last frame's
+  double at_mm(double time_s);
+
+ private:
+  double fixed_mm_;
+  bool by_luminance_, recorded_;
+  PupilScene scene_;  // of a white frame
+  std::optional<double> recorded_mm_{}, shown_mm_{};
+  PupilReflex reflex_{};
+};
+
+struct RenderedEye {
+  double focus_D = 0.0;
+  double rest_D = 0.0;  ///< where focus is on its way to
+  double pupil_mm = 0.0;
+  std::optional<glm::dvec2> gaze_px;  ///< on the session's screen
+
+  void followPupil(double pupil_mm_now);
+
+  /// Near its rest, focus is taken for at rest.
+  /// @param max_change_D  too small to see: `maxUnseenFocusChange_D`
+  void followFocus(double focus_D_now, double rest_D_now, double max_change_D);
+
+  void followGaze(const std::optional<glm::dvec2>& gaze_px_now, const Screen& screen);
+};
+
+/// How far focus may change before it shows: until blur radii change by a tenth of a pixel for each
+/// JND of tolerance, and never more than 1/32 D.
+/// @param px_per_D  change of blur radius with focus, along the image's axes
+double maxUnseenFocusChange_D(double tolerance, const glm::vec2& px_per_D);
 
 }  // namespace foci

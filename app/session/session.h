@@ -9,8 +9,7 @@
 
 #include "app/session/frame_record.h"
 #include "app/session/frame_renderer.h"
-#include "app/session/observer_pupil.h"
-#include "app/session/rendered_eye.h"
+#include "app/session/observer_eye.h"
 #include "app/session/session_settings.h"
 #include "gaze/follow/gaze_follower.h"
 #include "gaze/geometry/gaze_sample.h"

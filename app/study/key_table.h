@@ -4,18 +4,27 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "app/study/key_suggestion.h"
 #include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/nearest.h"
 
 namespace foci {
+
+/// The known key that the user may have meant: near in spelling or in meaning, or nothing.
+/// @param unknown  "section.key" or "key"
+/// @param known    all keys
+std::optional<std::string> suggestedKey(std::string_view unknown,
+                                        const std::vector<std::string>& known);
+
+/// The sections of the keys, in their order.
+std::vector<std::string> sectionsOf(const std::vector<std::string>& known);
 
 /// A key of T: of a study, or of an element of a list in it.
 template <class T>

@@ -1,6 +1,6 @@
 #include "app/study/scene_study.h"
 
-#include "app/platform/shell_word.h"
+#include "app/platform/shell.h"
 #include "app/study/study_text.h"
 #include "base/input_error.h"
 #include "base/text.h"

@@ -7,11 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/file_bytes.h"
+#include "base/file.h"
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 
 namespace foci {
 namespace {

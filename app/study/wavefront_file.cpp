@@ -11,11 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/file_bytes.h"
+#include "base/file.h"
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 
 namespace foci {
 namespace {

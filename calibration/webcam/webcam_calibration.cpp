@@ -8,7 +8,6 @@
 
 #include "base/base64.h"
 #include "base/image_codec.h"
-#include "base/image_header.h"
 #include "base/input_error.h"
 #include "calibration/calibration_file.h"
 #include "calibration/gaze_map/map_units.h"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {

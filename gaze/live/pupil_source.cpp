@@ -5,7 +5,6 @@
 #include <zmq.hpp>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {

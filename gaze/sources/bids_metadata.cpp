@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/input_error.h"
-#include "base/words.h"
+#include "base/text.h"
 #include "gaze/sources/column_names.h"
 
 namespace foci {

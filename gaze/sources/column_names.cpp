@@ -5,9 +5,7 @@
 #include <utility>
 
 #include "base/nearest.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 
 namespace foci {
 namespace {

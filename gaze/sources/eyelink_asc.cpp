@@ -14,9 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "base/words.h"
+#include "base/text.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {

@@ -15,7 +15,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/file_bytes.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "gaze/sources/recording_formats.h"
 

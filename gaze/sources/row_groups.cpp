@@ -7,10 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "base/number.h"
 #include "base/quantile.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/table_layout.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {

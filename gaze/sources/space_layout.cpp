@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"

@@ -9,7 +9,6 @@
 #include <optional>
 #include <string_view>
 
-#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
 

@@ -15,9 +15,7 @@
 #include <utility>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/lsl_stream.h"
 #include "gaze/sources/recording_formats.h"

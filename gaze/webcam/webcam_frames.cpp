@@ -12,10 +12,8 @@
 #include <vector>
 
 #include "base/image_codec.h"
-#include "base/image_header.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
-#include "base/number.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
 

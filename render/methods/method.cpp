@@ -10,7 +10,7 @@
 
 #include "base/input_error.h"
 #include "base/nearest.h"
-#include "base/number.h"
+#include "base/text.h"
 #include "render/gl/image.h"
 
 namespace foci {

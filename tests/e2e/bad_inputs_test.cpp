@@ -295,5 +295,5 @@ TEST(BadUsage, ExitsWithTwoInOneLine) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

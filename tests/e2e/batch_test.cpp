@@ -335,5 +335,5 @@ TEST_F(Batch, RefusesBadKeysInOneLine) {
   expectRefused("seed=1\nobserver.pupil_mm=3", "expected");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -315,5 +315,5 @@ TEST(CalibrateCamera, RefusesInOneLine) {
   EXPECT_NE(says({"--images", "text.png", "--board", "2x2"}).find("--board"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -246,5 +246,5 @@ TEST(Chart, RefusesInOneLineAndLeavesNothing) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -149,5 +149,5 @@ TEST_F(Eye, ValidateRefusesAFolderThatCannotBeMadeBeforeItComputes) {
   EXPECT_NE(refused.err.find("cannot make the folder"), std::string::npos) << refused.err;
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -171,5 +171,5 @@ TEST_F(Faults, AKillAtAnyMomentLeavesOnlyCompleteFiles) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -157,5 +157,5 @@ TEST_F(Figures, StandBesideMethodsThatCiteTheirSources) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -313,5 +313,5 @@ INSTANTIATE_TEST_SUITE_P(Files, GaussianCaptures,
                            return name;
                          });
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -432,5 +432,5 @@ TEST_F(GazeInScene, RefusesAShapeThatIsBothOrNeither) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

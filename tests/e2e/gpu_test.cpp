@@ -146,5 +146,5 @@ TEST_F(OnTheGpu, AnUnknownDeviceIsRefused) {
       << outcome.err;
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -293,5 +293,5 @@ TEST(ReplayOfAria, FindsTheDistancesOfItsOwnScene) {
   EXPECT_NE(folder.read("out/report.html").find("vergence"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

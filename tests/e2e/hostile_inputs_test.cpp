@@ -226,5 +226,5 @@ TEST_F(HostileInputs, LibrariesDoNotWarnPastTheErrors) {
   expectRefused({"calibrate", "camera", "--images", "bad.png"}, "bad.png", "");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

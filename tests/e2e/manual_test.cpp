@@ -146,5 +146,5 @@ TEST_F(Manual, TheVersionNamesTheCommit) {
       << version;
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

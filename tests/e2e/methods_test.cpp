@@ -59,5 +59,5 @@ TEST(Methods, EachRendersAnImage) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

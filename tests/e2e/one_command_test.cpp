@@ -214,5 +214,5 @@ TEST_F(OneCommand, AnEyeInABadPlaceIsToldWhichKeyToSet) {
   EXPECT_TRUE(has(wide, "5000 m wide") && has(wide, "scene.scale_m")) << wide;
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -223,5 +223,5 @@ TEST_F(Overwrite, AFileForAFolderIsBadInput) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

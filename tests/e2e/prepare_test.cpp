@@ -277,5 +277,5 @@ TEST(Prepare, ATruncatedOrAlteredSceneIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

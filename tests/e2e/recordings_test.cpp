@@ -187,5 +187,5 @@ TEST(Recordings, AnEyeNavGsFileThatIsCutOffIsSaid) {
   EXPECT_TRUE(has(said("short.csv"), "short.csv:42: 4 fields: expected 20")) << said("short.csv");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

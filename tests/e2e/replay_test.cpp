@@ -416,5 +416,5 @@ TEST(RealScan, IsReplayedUnderARealRecording) {
   EXPECT_LT(std::stod(last[6]), 7.0);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -114,5 +114,5 @@ TEST(Reproduce, RefusesInOneLineAndLeavesNothing) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -49,5 +49,5 @@ TEST(SceneCache, FramesAreTheSameWithWithoutAndAgain) {
   EXPECT_EQ(kept(), 2);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

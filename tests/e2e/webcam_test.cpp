@@ -260,5 +260,5 @@ TEST(Webcam, RefusesInOneLine) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

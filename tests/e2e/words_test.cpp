@@ -199,5 +199,5 @@ TEST(Report, OfASteadyRunHasAFixedPupil) {
   EXPECT_FALSE(says(page, "changed during the run"));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::e2e

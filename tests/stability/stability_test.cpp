@@ -7,10 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "app/evaluation/stability/closed_forms.h"
+#include "app/evaluation/stability/measure.h"
 #include "app/evaluation/stability/scenes.h"
 #include "app/evaluation/stability/setups.h"
-#include "app/evaluation/stability/trial.h"
 
 namespace foci {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <string_view>
 
-#include "app/evaluation/chart/frontier.h"
+#include "app/evaluation/chart/points.h"
 #include "app/evaluation/evaluation_page.h"
 #include "base/text.h"
 

@@ -1,11 +1,12 @@
 #include "app/evaluation/chart/points.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <tuple>
 
-#include "app/evaluation/chart/frontier.h"
 #include "app/evaluation/csv.h"
 #include "base/text.h"
 
@@ -73,6 +74,20 @@ std::string imageFile(const std::string& scene, double blur_px, const EvaluatedM
 
 std::string referenceFile(const std::string& scene, double blur_px) {
   return "images/" + panelName(scene, blur_px) + "reference.png";
+}
+
+std::vector<bool> paretoFrontier(const std::vector<double>& cost,
+                                 const std::vector<double>& worth) {
+  assert(cost.size() == worth.size());
+  std::vector<bool> on(cost.size(), true);
+  for (std::size_t i = 0; i < cost.size(); ++i) {
+    assert(!std::isnan(cost[i]) && !std::isnan(worth[i]));
+    for (std::size_t j = 0; j < cost.size() && on[i]; ++j) {
+      const bool no_worse = cost[j] <= cost[i] && worth[j] >= worth[i];
+      on[i] = !(no_worse && (cost[j] < cost[i] || worth[j] > worth[i]));
+    }
+  }
+  return on;
 }
 
 }  // namespace foci

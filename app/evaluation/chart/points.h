@@ -47,4 +47,10 @@ std::string csvOf(const std::vector<ChartPoint>& points);
 std::string imageFile(const std::string& scene, double blur_px, const EvaluatedMethod& method);
 std::string referenceFile(const std::string& scene, double blur_px);
 
+/// The Pareto frontier of (cost, worth). Entry i lies on the frontier if no other entry costs at
+/// most as much and is worth at least as much, one of the two strictly. Equal entries lie on the
+/// frontier together. Infinities are ordinary values. NaN and lists of different lengths are not
+/// allowed (asserted).
+std::vector<bool> paretoFrontier(const std::vector<double>& cost, const std::vector<double>& worth);
+
 }  // namespace foci

@@ -1,15 +1,22 @@
 #include "app/evaluation/reproduce/page.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "app/evaluation/evaluation_page.h"
-#include "app/evaluation/reproduce/chart.h"
 #include "app/graphics/html.h"
+#include "app/graphics/plot.h"
 #include "app/platform/machine.h"
 #include "base/base64.h"
 #include "base/text.h"
+#include "render/image/metrics.h"
+#include "render/methods/method.h"
+#include "render/optics/view.h"
+#include "render/scene/builtin/procedural.h"
 
 namespace foci {
 namespace {
@@ -200,6 +207,134 @@ std::string reproducePage(const ReproduceFacts& facts) {
   writeMethodology(out, facts);
   out << "<p class=\"quiet\">Total time: " << decimal(facts.seconds, 0) << " s.</p>\n" << kPageEnd;
   return out.str();
+}
+
+namespace {
+
+constexpr double kPlaces = kApertures - 1, kMargin = 0.1;  // the axis of apertures and its margin
+
+/// By aperture; absent if the method was not measured.
+using Times = std::array<std::optional<double>, kApertures>;
+
+PlotSeries lineOf(std::string name, std::string color, const Times& ms) {
+  PlotSeries line{.name = std::move(name), .color = std::move(color), .width_px = 1.8};
+  for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
+    if (ms[aperture]) {
+      line.points.push_back({.x = static_cast<double>(aperture), .y = *ms[aperture]});
+    }
+  }
+  return line;
+}
+
+std::vector<PlotSeries> linesOf(const ReproduceScene& scene, const std::vector<ReproduceRow>& rows,
+                                unsigned threads) {
+  const std::array<std::pair<const char*, const char*>, 5> methods = {
+      {{"paper", "#8a8f98"},
+       {"paper-lod", "#d9822b"},
+       {"sweep", "#3b82c4"},
+       {"sweep-lod", "#3a9d6e"},
+       {"accumulate:200", "#8e6bbf"}}};
+  std::vector<PlotSeries> lines;
+  for (const auto& [method, color] : methods) {
+    Times ms;
+    for (const ReproduceRow& row : rows) {
+      if (row.method == method && row.threads == threads) ms[row.aperture] = row.ms_median;
+    }
+    lines.push_back(lineOf(method, color, ms));
+  }
+  for (const bool lod : {false, true}) {
+    Times ms;
+    for (const PaperRow& row : scene.paper) {
+      if (row.lod == lod || row.aperture == 0) ms[row.aperture] = 1000.0 * row.seconds;
+    }
+    lines.push_back(lineOf(lod ? "2003, with level of detail" : "2003, without",
+                           lod ? "#d9822b" : "#8a8f98", ms));
+    lines.back().dashed = true;
+  }
+  std::erase_if(lines, [](const PlotSeries& line) { return line.points.empty(); });
+  return lines;
+}
+
+}  // namespace
+
+std::string chartOf(const ReproduceScene& scene, const std::vector<ReproduceRow>& rows,
+                    unsigned threads) {
+  Plot plot{.name = "Time per frame against aperture: " + scene.name,
+            .x = {.title = "aperture", .from = -kMargin, .to = kPlaces + kMargin},
+            .series = linesOf(scene, rows, threads),
+            .end_labels = true,
+            .size_px = {960.0, 300.0}};
+  std::vector<double> times_ms;
+  for (const PlotSeries& line : plot.series) {
+    for (const PlotPoint& point : line.points) times_ms.push_back(point.y);
+  }
+  plot.y = timeAxis("time per frame", times_ms);
+  for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
+    plot.x.ticks.push_back(
+        {static_cast<double>(aperture),
+         aperture == 0 ? "no blur" : "aperture " + decimal(scene.apertures_m[aperture], 3) + " m"});
+  }
+  return svgOf(layOut(plot));
+}
+
+namespace {
+
+constexpr int kFigure_px = 512;
+constexpr double kLens_m = 0.03;  // chosen by eye: blurs by about a tenth of a face
+
+std::string figureDb(double value) {
+  return std::isfinite(value) ? decimal(value, 1) + " dB" : "exact";
+}
+
+}  // namespace
+
+std::vector<FigurePanel> figure1(const SurfelCloud& gallery, int views,
+                                 const std::function<void(std::size_t)>& on_frames) {
+  const View view = maskView(kFigure_px);
+  const auto ours = makeMethod(kOurs, gallery);
+  const auto reference = makeMethod("accumulate:" + std::to_string(views), gallery);
+  const double mask_m = galleryDepth_m(view, "mask"), bust_m = galleryDepth_m(view, "bust");
+  // Between the two in dioptres, where both have the same blur.
+  const std::array<double, 3> focus_D = {1.0 / mask_m, 0.5 / mask_m + 0.5 / bust_m, 1.0 / bust_m};
+  const std::array<const char*, 3> names = {"the mask in focus", "between the two",
+                                            "the bust in focus"};
+  std::vector<FigurePanel> panels;
+  for (std::size_t i = 0; i < focus_D.size(); ++i) {
+    RenderSettings settings;
+    settings.defocus = defocusOfLens(kLens_m, view.focal_px, focus_D[i], DistanceAlong::axis);
+    Frame frame, exact;
+    ours->render(view, settings, frame);
+    reference->render(view, settings, exact);
+    on_frames(1 + static_cast<std::size_t>(views));
+    panels.push_back({imageOf(frame), std::string(names[i]) + ", " + decimal(1.0 / focus_D[i], 2) +
+                                          " m; " + figureDb(psnr_dB(frame, exact)) +
+                                          " against the reference"});
+  }
+  return panels;
+}
+
+std::vector<std::vector<FigurePanel>> figure6(const ReproduceScene& scene,
+                                              const SceneResult& result) {
+  std::vector<std::vector<FigurePanel>> rows;
+  for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
+    const Frame& ours = result.frames.at(kOurs)[aperture];
+    const ReproduceReference& reference = result.reference[aperture];
+    const auto row = std::find_if(
+        result.rows.begin(), result.rows.end(),
+        [&](const ReproduceRow& one) { return one.method == kOurs && one.aperture == aperture; });
+    const std::string blur = "aperture " + decimal(scene.apertures_m[aperture], 3) +
+                             " m, blur radius up to " + decimal(row->blur_px_max, 1) + " px";
+    const std::string views =
+        aperture == 0 ? std::string("one view")
+                      : std::to_string(reference.views) + " views, one half against the other " +
+                            figureDb(reference.split_half_psnr_dB.value_or(INFINITY));
+    rows.push_back(
+        {{imageOf(ours), std::string(kOurs) + ": " + blur},
+         {imageOf(reference.frame), "reference: " + views},
+         {differenceOf(ours, reference.frame, kDifferenceGain),
+          "difference times " + decimal(kDifferenceGain, 0) + ": PSNR " + figureDb(row->psnr_dB)}});
+  }
+  return rows;
 }
 
 }  // namespace foci

@@ -1,14 +1,36 @@
 // The figures that the reproduction is judged by: ratios of times, and accuracy.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/evaluation/reproduce/growth.h"
 #include "app/evaluation/reproduce/measure.h"
+#include "app/evaluation/reproduce/scenes.h"
 
 namespace foci {
+
+struct Growth {
+  struct Size {
+    std::size_t surfels = 0;
+    double build_s = 0.0;
+    double bytes_per_surfel = 0.0;  ///< without the scene itself
+    std::array<double, kApertures> ms_median{};
+  };
+  Size before, after;
+
+  /// Frame time after over frame time before: the max over the apertures.
+  double frameTime() const;
+};
+
+inline constexpr int kGrowthRuns = 5;
+
+/// Measures `sweep-lod` on planes of about a tenth of `surfels`, and of about `surfels`.
+/// @param on_frame  called after every frame
+Growth measureGrowth(std::size_t surfels, const std::function<void()>& on_frame);
 
 /// One figure of one scene.
 struct ReproduceRatio {

@@ -5,10 +5,9 @@
 #include <string>
 #include <utility>
 
-#include "app/evaluation/reproduce/figures.h"
 #include "app/evaluation/reproduce/page.h"
 #include "app/evaluation/timed_runs.h"
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/platform/progress.h"
 #include "base/text.h"
 #include "render/scene/builtin/procedural.h"

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "app/evaluation/reproduce/growth.h"
 #include "app/evaluation/reproduce/ratios.h"
 #include "app/evaluation/reproduce/scenes.h"
 #include "app/platform/output_guard.h"

@@ -11,7 +11,6 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/gaussian_formats.h"
 #include "render/scene/io/ply_items.h"

@@ -7,9 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 
 namespace foci {

@@ -9,11 +9,10 @@
 #include <system_error>
 
 #include "base/file.h"
-#include "base/image_header.h"
+#include "base/image_codec.h"
 #include "base/input_error.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/gltf_document.h"
 #include "render/scene/io/obj.h"
 #include "render/scene/io/ply_items.h"

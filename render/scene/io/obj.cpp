@@ -13,7 +13,6 @@
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "base/words.h"
 
 namespace foci {
 namespace {

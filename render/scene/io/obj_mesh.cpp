@@ -11,9 +11,7 @@
 #include <vector>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/mesh_files.h"
 #include "render/scene/io/mesh_formats.h"

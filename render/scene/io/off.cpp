@@ -12,9 +12,7 @@
 #include <vector>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"

@@ -12,9 +12,7 @@
 
 #include "base/input_error.h"
 #include "base/memory_budget.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/io/ply_items.h"

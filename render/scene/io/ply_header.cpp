@@ -6,9 +6,7 @@
 #include <optional>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/ply_items.h"
 
 namespace foci::ply {

@@ -9,7 +9,6 @@
 #include "base/input_error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/mesh_files.h"
 
 namespace foci::ply {

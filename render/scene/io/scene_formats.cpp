@@ -10,7 +10,6 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/ply.h"

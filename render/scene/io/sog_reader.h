@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "base/image_codec.h"
-#include "base/image_header.h"
 #include "base/input_error.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/compression.h"

@@ -10,9 +10,7 @@
 
 #include "base/input_error.h"
 #include "base/mapped_file.h"
-#include "base/number.h"
 #include "base/text.h"
-#include "base/words.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/mesh_formats.h"

@@ -72,5 +72,5 @@ TEST(ImageCodec, RefusesBrokenAndLargeImages) {
   EXPECT_FALSE(decodeImage(webp, 100));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "base/image_header.h"
+#include "base/image_codec.h"
 
 #include <gtest/gtest.h>
 
@@ -32,5 +32,5 @@ TEST(ImageHeader, OtherBytesStateNothing) {
   EXPECT_FALSE(statedImageSize({}));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

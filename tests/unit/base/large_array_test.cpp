@@ -18,5 +18,5 @@ TEST(LargeArray, HoldsEveryElementOfSmallAndOfLargeArrays) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -68,5 +68,5 @@ TEST(MappedFileDeathTest, AProgramsOwnHandlerIsKept) {
   EXPECT_EXIT(readAfterShrinking(SIG_DFL), testing::ExitedWithCode(1), "was cut short");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

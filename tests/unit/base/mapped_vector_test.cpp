@@ -28,5 +28,5 @@ TEST(MappedVector, CopiesBeforeTheFirstChange) {
   EXPECT_EQ(values.use_count(), 1);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

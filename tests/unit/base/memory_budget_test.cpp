@@ -69,5 +69,5 @@ TEST(MemoryBudget, CountsTheFilesOfAnInput) {
   EXPECT_EQ(budget.left() - one, 64u * 100'000u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

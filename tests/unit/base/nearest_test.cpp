@@ -30,5 +30,5 @@ TEST(NearWord, ASwapOfNeighboursIsOneError) {
   EXPECT_FALSE(isMisspelt("psf", "fps"));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "base/number.h"
+#include "base/text.h"
 
 #include <gtest/gtest.h>
 
@@ -24,5 +24,5 @@ TEST(ParseInteger, TakesIntegersThatFillTheTextAndFit) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -20,5 +20,5 @@ TEST(QuietStderr, HidesWhatIsWrittenWhileItLives) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "before after");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "base/number.h"
-
 namespace foci {
 namespace FOCI_FILE {
 
@@ -65,5 +63,5 @@ TEST(QuotedText, EscapesForJsonAndToml) {
   EXPECT_EQ(quotedText("a\"b\\c\n"), R"("a\"b\\c\u000a")");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "base/words.h"
+#include "base/text.h"
 
 #include <gtest/gtest.h>
 
@@ -23,5 +23,5 @@ TEST(Words, NumbersFillTheWord) {
   for (const char* word : {"", "1x", "x", "1 ", "0,5"}) EXPECT_FALSE(numberOf(word)) << word;
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

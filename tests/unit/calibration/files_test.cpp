@@ -203,5 +203,5 @@ TEST_F(CalibrationFiles, BadPairsAreRefusedByLine) {
   EXPECT_NE(refused("x\tx\ty\tx_target\ty_target\n").find("twice"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -87,5 +87,5 @@ TEST(TomlFile, LongTextsAreOneValueAndLongTablesInBracesAreRefused) {
   EXPECT_NE(refusal(table + "}").find("16 KiB"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -140,5 +140,5 @@ TEST(Observer, LooksAtEachTargetAfterItsLatencyAndBlinks) {
   EXPECT_EQ(blinks, 10);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::faces

@@ -96,5 +96,5 @@ TEST(HardFaces, TheNetworksHalveTheMisses) {
   EXPECT_NEAR(count.confidence / found, count.right / found, 0.1);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci::faces

@@ -10,7 +10,6 @@
 
 #include "app/evaluation/ball.h"
 #include "app/evaluation/cells.h"
-#include "app/evaluation/chart/frontier.h"
 #include "app/evaluation/chart/panel.h"
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/chart/points.h"
@@ -412,5 +411,5 @@ TEST(SceneInView, BlurGrowsWithTheAperture) {
   EXPECT_EQ(plane.largestBlurThrough_px(0.0), 0.0);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

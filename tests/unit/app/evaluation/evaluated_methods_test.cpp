@@ -32,5 +32,5 @@ TEST(EvaluatedMethods, AnUnknownVariantIsRefusedWithTheKnownOnes) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -23,5 +23,5 @@ TEST(EyePage, RefusesAFolderThatCannotBeMadeBeforeItComputes) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

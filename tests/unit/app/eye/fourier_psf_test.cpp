@@ -1,6 +1,6 @@
 // Fourier optics against closed forms: the Airy pattern, the MTF of a round pupil, Marechal's
 // Strehl ratio, the blur disc; and the signs against the rays.
-#include "app/eye/fourier_psf.h"
+#include "app/eye/visual_quality.h"
 
 #include <gtest/gtest.h>
 
@@ -228,5 +228,5 @@ TEST(SplattedPsf, IsThatOfFourierOptics) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

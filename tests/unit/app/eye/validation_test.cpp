@@ -78,5 +78,5 @@ TEST(Validation, AFigureOutOfBoundsShows) {
   EXPECT_NE(validationTable({bad}).find("\t1.0000\t0.1000\t1.2000\t0\ts"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -134,5 +134,5 @@ TEST(PupilAspect, LiesBetweenTheCosineAndOne) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -39,5 +39,5 @@ TEST(ColorMaps, HeatLeavesTheGroundWhereThereIsNone) {
   EXPECT_EQ(hexOf(glm::vec3(1.0f, 0.5f, 0.0f)), "#ff8000");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

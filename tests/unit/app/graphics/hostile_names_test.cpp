@@ -14,10 +14,10 @@
 #include "app/graphics/html.h"
 #include "app/platform/gnuplot.h"
 #include "app/platform/json_text.h"
-#include "app/platform/shell_word.h"
+#include "app/platform/shell.h"
 #include "app/replay/compare.h"
 #include "app/replay/gaze_in_scene.h"
-#include "app/replay/recordings_page.h"
+#include "app/replay/recordings.h"
 #include "app/study/scene_text.h"
 #include "base/text.h"
 #include "tests/temporary_folder.h"
@@ -165,5 +165,5 @@ TEST(HostileNames, AreLinesOfATerminal) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -21,5 +21,5 @@ TEST(VideoWriter, SaysWhyAFileCannotBeWritten) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "app/live/gaze_watch.h"
+#include "app/live/gaze_feed.h"
 
 #include <gtest/gtest.h>
 
@@ -103,5 +103,5 @@ TEST(GazeWatch, BeginsWithTheFirstFrame) {
   EXPECT_EQ(watch.remark(), "");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -217,5 +217,5 @@ TEST_F(LiveGpu, TheCpuGoesOnWithTheRecord) {
       << manifest["device"];
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -605,5 +605,5 @@ TEST(LiveRecord, ReplacesNoFile) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

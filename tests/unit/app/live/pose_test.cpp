@@ -29,5 +29,5 @@ TEST(LivePose, MovesLevelAndTurnsAroundTheEye) {
   EXPECT_EQ(pose.look_at_m(), glm::dvec3(0, 0.5, -2));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

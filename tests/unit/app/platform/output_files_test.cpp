@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/platform/output_ledger.h"
+#include "app/platform/output_guard.h"
 #include "base/file.h"
 #include "base/input_error.h"
 #include "tests/temporary_folder.h"
@@ -232,5 +232,5 @@ TEST_F(OutputFilesTest, ChecksRefuseInputsFoldersAndForeignFiles) {
   EXPECT_EQ(refusal("", root_ / "in.txt"), "");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

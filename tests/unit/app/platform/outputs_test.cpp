@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/platform/sha256.h"
 #include "app/record/tables.h"
 #include "app/replay/report_charts.h"
@@ -108,5 +108,5 @@ TEST(ChartSeries, StaysSmallAndEven) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -75,5 +75,5 @@ TEST(RemoteSocket, RefusesWhatIsNoAddress) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

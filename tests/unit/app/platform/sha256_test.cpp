@@ -44,5 +44,5 @@ TEST(Sha256, OfAFileStopsBetweenBlocks) {
   EXPECT_EQ(blocks, 2);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

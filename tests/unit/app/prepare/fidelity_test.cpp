@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "app/evaluation/ball.h"
-#include "app/prepare/fidelity_advice.h"
 #include "base/quantile.h"
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
@@ -257,5 +256,5 @@ TEST(Fidelity, WarnsOfABallWithFarTooFewPointsAndIsTheSameEveryTime) {
 
 #endif  // FOCI_RAYTRACE
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

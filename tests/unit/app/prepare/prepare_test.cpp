@@ -112,5 +112,5 @@ TEST_F(PrepareScene, RefusesInOneLineAndLeavesNothing) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -84,5 +84,5 @@ TEST(RecordFiles, RefusesTablesThatAreNone) {
   EXPECT_EQ(readChanges(write("time_s\tkey\tvalue\n")).size(), 0u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

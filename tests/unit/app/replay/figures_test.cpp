@@ -30,5 +30,5 @@ TEST(GazeMap, HoldsTheTimeOfTheFixations) {
   EXPECT_NEAR(sum, 3.0, 0.003);  // a plane instead of the sphere; 5 sigma; the midpoint rule
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

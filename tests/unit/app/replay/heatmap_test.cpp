@@ -88,5 +88,5 @@ TEST(HeatMap, StatesItsScaleInSecondsPerSquareMetre) {
   EXPECT_NE(heatBarHtml(map.most_s_per_m2).find("11.1 s/m&sup2;"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -58,5 +58,5 @@ TEST(MovingObserver, WithoutASurfaceThereIsNoPointToRestOn) {
   EXPECT_EQ(stateOf(samples), GazeState::pursuit);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -49,5 +49,5 @@ TEST(FolderNames, DifferByMoreThanCase) {
   EXPECT_EQ(folderNames({"/d/Gaze.tsv", "/d/gaze.tsv"}), (Names{"Gaze", "gaze-2"}));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -125,5 +125,5 @@ TEST_F(RenderImage, WritesTheDepthOfASplitView) {
   EXPECT_EQ(depthOf("split.pfm"), depth);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -90,5 +90,5 @@ TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
   EXPECT_GE(dashes(*svg), dashes(*plain) + 4);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "app/replay/schedule.h"
+#include "app/replay/replay_inputs.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,6 @@
 #include <fstream>
 #include <string>
 
-#include "app/replay/replay_inputs.h"
 #include "tests/temporary_folder.h"
 
 namespace foci {
@@ -42,5 +41,5 @@ TEST(Schedule, OfASingleRecordedFrameKeepsTheRateOfTheStudy) {
   EXPECT_EQ(readReplayedGaze(study, warnings).schedule.fps, 15.0);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

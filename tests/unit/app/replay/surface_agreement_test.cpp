@@ -53,5 +53,5 @@ TEST(SurfaceAgreement, LeavesOutSaccades) {
   EXPECT_EQ(doubtsOf(saccade, frame(1.0, 1.0), 20), "");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -37,5 +37,5 @@ TEST(EyePathOfAHead, IsEqualByItsPoses) {
   EXPECT_FALSE(EyePath(poses) == EyePath());
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

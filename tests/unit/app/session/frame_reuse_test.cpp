@@ -373,5 +373,5 @@ TEST(FrameReuse, FramesAreThoseOfEveryRequestAtAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -100,5 +100,5 @@ TEST(GpuFallback, APreparedBudgetAndALuminancePupilGoOnOnTheCpu) {
   EXPECT_NE(session.deviceRemark(), "");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

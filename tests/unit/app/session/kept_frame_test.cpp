@@ -168,5 +168,5 @@ TEST_F(KeptFrame, EveryFrameHasFullQualityWhileItsTimeAllowsIt) {
   EXPECT_FALSE(any);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

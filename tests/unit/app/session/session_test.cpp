@@ -273,5 +273,5 @@ TEST(ObserverEye, GlassesComeOffWhileItRuns) {
   EXPECT_THROW(changeLive(study, session, "observer.axis_deg", "181"), InputError);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -141,5 +141,5 @@ TEST(HeadsetViews, OfOneEyeAreThatEyes) {
   EXPECT_EQ(right[0].corner_px, glm::ivec2(0));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

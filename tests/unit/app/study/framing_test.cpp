@@ -388,5 +388,5 @@ TEST(Framing, TheEyeComesNearEnoughForBlurToShow) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

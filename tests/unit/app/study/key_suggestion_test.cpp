@@ -1,4 +1,4 @@
-#include "app/study/key_suggestion.h"
+#include "app/study/key_table.h"
 
 #include <gtest/gtest.h>
 
@@ -70,5 +70,5 @@ TEST(KeySuggestion, SectionsComeOnceAndInOrder) {
   EXPECT_EQ(std::count(sections.begin(), sections.end(), "gaze"), 1);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -180,5 +180,5 @@ TEST_F(SceneCacheTest, WithoutAFolderScenesAreMade) {
   EXPECT_EQ(nowhere.content().entries, 0u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -19,5 +19,5 @@ TEST(SceneText, APreparedSceneHasNormals) {
   EXPECT_NE(sceneText(facts, Framing{}).find("normals   no: foci estimates"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

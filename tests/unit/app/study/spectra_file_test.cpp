@@ -59,5 +59,5 @@ TEST(SpectraFile, RefusesWhatCanBeMisread) {
             "spectra.csv: a primary without light: expected red, green and blue above 0");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

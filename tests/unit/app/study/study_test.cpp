@@ -132,5 +132,5 @@ TEST(Configs, AreAllValid) {
   EXPECT_GE(studies, 3);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -59,5 +59,5 @@ TEST(StudyKeys, PageIsCurrent) {
       << "foci keys --markdown > docs/studies.md";
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -123,5 +123,5 @@ TEST(MemoryRemark, NamesTheMethodItsMemoryAndTheMethodsThatTakeLess) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

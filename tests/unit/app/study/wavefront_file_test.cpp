@@ -109,5 +109,5 @@ TEST(WavefrontFile, RefusesWhatCanBeMisread) {
   EXPECT_EQ(refusal(""), "eye.csv: no coefficients: expected a table of Zernike coefficients");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -171,5 +171,5 @@ TEST(Vergence, IsTheInverseDistanceStraightAheadAndZeroInParallel) {
   EXPECT_NEAR(*vergence_D({}, s), 0.0, 1e-12);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -74,5 +74,5 @@ TEST(Board, IsAbsentWhereTheImageShowsNone) {
   EXPECT_FALSE(findBoard(noise, {}));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -101,5 +101,5 @@ TEST(FindBoard, FindsTheCornersOfADrawnChessboard) {
   EXPECT_FALSE(findBoard(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), {}));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

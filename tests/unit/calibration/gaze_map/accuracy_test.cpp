@@ -60,5 +60,5 @@ TEST(MapUnits, AgreeOnOneScreen) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -320,5 +320,5 @@ TEST(DriftCorrection, MovesTheMapOntoTheTargetAndRefusesALargeOne) {
   EXPECT_THROW(correctDrift(map, std::span(drifted).first(4), {0.0, 0.0}), InputError);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

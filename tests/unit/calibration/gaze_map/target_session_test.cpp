@@ -75,5 +75,5 @@ TEST(TargetSession, ManualWaitsForTheKey) {
   for (const GazePair& pair : session.pairs()) EXPECT_EQ(pair.target, kTargets[0]);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

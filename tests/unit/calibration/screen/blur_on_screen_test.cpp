@@ -68,5 +68,5 @@ TEST(BlurOnScreen, SubtendsTheAngleOfTheEyesOwn) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

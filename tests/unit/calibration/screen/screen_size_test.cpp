@@ -82,5 +82,5 @@ TEST(Edid, StatesTheSizeInMillimetresOrElseCentimetres) {
   EXPECT_THROW(edidSize_m(std::span(broken).first(100)), InputError);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -156,5 +156,5 @@ TEST(CalibrateWebcam, MeasuresOnTheOthersAndCountsBlinksAsDataLoss) {
   EXPECT_THROW(calibrateWebcam(few, {}, kScreen, map), InputError);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -144,5 +144,5 @@ TEST(FitWebcamMap, RefusesATargetBeyondNumbers) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

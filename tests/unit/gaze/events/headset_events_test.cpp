@@ -49,5 +49,5 @@ TEST(EventsOfAHeadset, AreThoseOfGazeInTheWorld) {
   EXPECT_EQ(count(GazeState::pursuit), 0);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

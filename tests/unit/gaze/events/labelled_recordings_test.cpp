@@ -67,5 +67,5 @@ TEST(LabelTrained, IsNotWorseThanOnlineOnAnySetOfRecordings) {
   for (const auto& [kind, sum] : offline) EXPECT_GE(sum, online[kind]) << kind;
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -73,5 +73,5 @@ TEST(LabelSamples, TheEndsOfBlocksLeaveNoMark) {
   EXPECT_EQ(saccades, 9);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

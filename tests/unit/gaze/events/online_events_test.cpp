@@ -424,5 +424,5 @@ TEST(LabelSamples, AgreesWithHumanCodersAsTheyDoAmongThemselves) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -44,5 +44,5 @@ TEST(StableGaze, NoiseIsNoPursuitAndHidesNoFastPursuit) {
   EXPECT_LE(pursuits, 10);  // of 100; the distance alone passes in 5
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -189,5 +189,5 @@ TEST(RangeWarnings, NameWhatTheTrainingDidNotHold) {
   EXPECT_NE(rangeWarnings(quality, {})[0].find("rate 30.000 Hz, trained from"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -50,5 +50,5 @@ TEST_P(SlowTracker, SaccadesHaveTheirAmplitudeAndNoOscillation) {
 
 INSTANTIATE_TEST_SUITE_P(Rates, SlowTracker, testing::Values(50.0, 60.0, 72.0, 90.0));
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -451,5 +451,5 @@ TEST(LabelEvents, RoundedAnglesAreNoSaccades) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

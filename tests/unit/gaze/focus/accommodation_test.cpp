@@ -91,5 +91,5 @@ TEST(Accommodation, JumpsWhenGlassesComeOffAndThenAnswers) {
   EXPECT_NEAR(eye.focusAt_D(9.1), 3.0, 1e-9);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -173,5 +173,5 @@ TEST(PupilReflex, StartsAtTheTargetAndConstrictsFasterThanItDilates) {
   EXPECT_LT(reflex.follow(1.8, 6.0), 6.0 - (narrowed - 3.0));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

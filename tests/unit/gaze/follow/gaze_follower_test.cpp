@@ -258,5 +258,5 @@ TEST(GazeFollower, FollowsASaccadeAcrossASilhouetteInNoise) {
   EXPECT_EQ(*feed.at(2.5).target_D, 0.5);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

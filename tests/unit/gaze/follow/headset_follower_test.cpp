@@ -79,5 +79,5 @@ TEST(VergenceOfAHeadset, DoesNotMoveTheFocusUnlessAsked) {
   EXPECT_EQ(*eye.target_D, 0.5);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

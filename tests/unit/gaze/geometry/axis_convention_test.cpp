@@ -46,5 +46,5 @@ TEST(AxisConvention, RefusesOtherWords) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

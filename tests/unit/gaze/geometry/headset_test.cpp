@@ -49,5 +49,5 @@ TEST(PointSeenBy, StaysInTheWorldWhileTheHeadTurns) {
   EXPECT_FALSE(pointSeenBy_px(now, before, screen));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

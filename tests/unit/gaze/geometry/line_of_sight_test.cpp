@@ -50,5 +50,5 @@ TEST(LineOfSight, AngleIsZeroToItselfAndThatOfTheDirections) {
               glm::degrees(std::acos(glm::dot(a, b))), kRounding);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

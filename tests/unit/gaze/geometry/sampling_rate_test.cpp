@@ -86,5 +86,5 @@ TEST(SamplingRate, EventsOfASlowerBlockAreFound) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

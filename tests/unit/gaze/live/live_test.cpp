@@ -323,5 +323,5 @@ TEST(MouseSource, GivesOneSampleForEachNewTime) {
   EXPECT_FALSE(samples[1].point_px);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

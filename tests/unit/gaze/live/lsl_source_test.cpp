@@ -157,5 +157,5 @@ TEST(LslSource, SaysWhereTheLibraryIs) {
   EXPECT_NE(refusal.find("liblsl is not installed"), std::string::npos) << refusal;
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

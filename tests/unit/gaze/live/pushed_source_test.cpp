@@ -75,5 +75,5 @@ TEST(PushedSource, RefusesATextThatHoldsWhatIsNoSample) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

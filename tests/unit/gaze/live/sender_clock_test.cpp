@@ -251,5 +251,5 @@ TEST(ClockText, StatesOffsetDriftAndSteps) {
   EXPECT_EQ(clockText({.offset_s = 1.0, .measured = true}), "offset 1.000 s, measured");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -94,5 +94,5 @@ TEST(SimulateGaze, BlinksHideTheEyeAsOftenAndAsLongAsSet) {
   EXPECT_NEAR(hidden / 100.0 / blinks, blinking.blink_duration_s, 0.02);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -209,5 +209,5 @@ TEST_F(Aria, RefusesADamagedTrajectory) {
   EXPECT_EQ(refusal(good.substr(0, good.size() - 60)), "not refused");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

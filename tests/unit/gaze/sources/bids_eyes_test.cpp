@@ -233,5 +233,5 @@ TEST_F(TwoEyes, OfDifferentClocksRaiseADoubt) {
   EXPECT_NE(trace.warnings.front().find("clocks"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

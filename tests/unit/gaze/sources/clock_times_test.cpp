@@ -128,5 +128,5 @@ TEST(ClockTimes, ADateThatMayBeginWithTheMonthIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -342,5 +342,5 @@ TEST(EyeLinkAsc, MarksTheBlinkOfARealFile) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -57,5 +57,5 @@ TEST(FileKind, IsReportedByTheReaderAlsoWhenPacked) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -64,5 +64,5 @@ TEST(ReadLabelled, ACoderWithoutAKnownWordIsRefused) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

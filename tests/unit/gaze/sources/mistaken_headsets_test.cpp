@@ -362,5 +362,5 @@ TEST(MistakenHeadsets, NoneIsSilentAndEachNamesWhatToDo) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

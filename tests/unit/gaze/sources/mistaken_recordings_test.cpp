@@ -315,5 +315,5 @@ TEST(MistakenRecordings, NoneIsSilentAndEachNamesWhatToDo) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

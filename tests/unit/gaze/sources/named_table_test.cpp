@@ -40,5 +40,5 @@ TEST_F(NamedTables, ARowOfAnotherNumberOfFieldsIsRefusedByLine) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -145,5 +145,5 @@ TEST(NeonExport, ATableWithoutRecordingIdIsRead) {
   EXPECT_NEAR(trace.rate_Hz, 200.0, 0.01);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -78,5 +78,5 @@ TEST(PackedFile, ACutOrTrailingBytesAreFound) {
   EXPECT_EQ(contentOf(first + "garbage"), "refused");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -397,5 +397,5 @@ TEST(PositionDoubts, AZeroOfOneAxisAndEyesOfTwoScalesAreDoubted) {
   EXPECT_TRUE(warns(read(scales), "of one unit"));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

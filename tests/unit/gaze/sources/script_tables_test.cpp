@@ -123,5 +123,5 @@ TEST(ScriptTable, NaNAsWindowsPrintsItIsDataLoss) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -234,5 +234,5 @@ TEST(SpaceFormats, RefuseAHoloLensHeadThatIsNotRigid) {
   EXPECT_THROW(readTrace(ScratchFile(row + holoLensRow(1, true)).path(), {}, kScreen), InputError);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

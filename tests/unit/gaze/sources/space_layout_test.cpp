@@ -222,5 +222,5 @@ TEST(SpaceLayout, TakesZerosAndAbsentFieldsForDataLoss) {
   EXPECT_TRUE(trace.samples[4].direction);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

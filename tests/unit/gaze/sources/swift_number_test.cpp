@@ -54,5 +54,5 @@ TEST(SwiftNumber, RefusesAnyOtherText) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -62,5 +62,5 @@ TEST(TobiiGlasses, GazeDataOfGlasses3) {
   expectTwoSamples(read("gazedata", text));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

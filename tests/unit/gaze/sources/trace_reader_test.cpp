@@ -312,5 +312,5 @@ TEST(ReadTrace, ReadsTheLabelledRecordings) {
   EXPECT_LT(glm::distance(first_deg, glm::dvec2(0.234, -3.091)), kRounding);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -47,5 +47,5 @@ TEST(TraceSummary, WholeMillisecondsHaveTheirMeanRate) {
   EXPECT_NEAR(summary.rate_Hz(), 60.0, 0.02);  // the median would give 58.8
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

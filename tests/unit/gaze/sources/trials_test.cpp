@@ -115,5 +115,5 @@ TEST_F(BidsTrials, AndMarkersComeFromMessages) {
   EXPECT_EQ(trace.trials[0].last_s, 101.0);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -347,5 +347,5 @@ TEST(VendorExport, GlassesThatAreNotWornHaveNoGaze) {
   EXPECT_TRUE(trace.samples[2].point_px);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

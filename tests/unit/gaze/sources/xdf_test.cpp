@@ -382,5 +382,5 @@ TEST(Xdf, RefusesWhatIsNoRecording) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

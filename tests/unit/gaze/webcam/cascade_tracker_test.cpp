@@ -106,5 +106,5 @@ TEST(CascadeTracker, FindsNobodyInAnEmptyRoom) {
   EXPECT_FALSE(tracker.reference());
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

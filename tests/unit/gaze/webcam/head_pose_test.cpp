@@ -71,5 +71,5 @@ TEST(OnFace, UndoesTheProjection) {
   EXPECT_FALSE(onFace_mm(kCamera, pose, {5.0, 5.0}));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

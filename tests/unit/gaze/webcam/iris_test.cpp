@@ -114,5 +114,5 @@ TEST(FaceFinder, FindsNoFaceInNoise) {
   EXPECT_FALSE(finder.find(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128))));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -215,5 +215,5 @@ TEST(NetworkTracker, SeesNoFaceInNoise) {
   EXPECT_EQ(tracker.push(dark).problem, WebcamProblem::too_dark);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -321,5 +321,5 @@ TEST_F(RealFaces, ConfidenceIsTheShareOfRightIrises) {
                                          " " + std::to_string(all.power));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -254,5 +254,5 @@ TEST(WebcamFrames, RefusesFilesThatAreNoVideo) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -75,5 +75,5 @@ TEST(WebcamTracker, TakesGreyAndColour) {
   EXPECT_TRUE(WebcamTracker(Lens{kLens, {}, {}}).push(grey).face);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

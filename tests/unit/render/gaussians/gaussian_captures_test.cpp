@@ -165,5 +165,5 @@ TEST(GaussianCapture, TheSameSceneInTwoFormatsLooksTheSame) {
   EXPECT_GT(psnr_dB(a, b), kGoal_dB);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

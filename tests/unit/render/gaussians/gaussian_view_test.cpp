@@ -321,5 +321,5 @@ TEST(GaussianView, OtherMethodsSayThatTheyRenderSurfaces) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

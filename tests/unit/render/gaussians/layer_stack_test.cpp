@@ -240,5 +240,5 @@ TEST(TileLayers, AutoKeepsItsPrediction) {
   EXPECT_LE(quantile95(visibleDifference(frame, lens, kUsualPx_per_deg)), *stats.tolerance_error);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

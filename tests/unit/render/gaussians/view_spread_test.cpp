@@ -192,5 +192,5 @@ TEST(ViewSpread, FollowsTheNearestSamplesOfALayerBehind) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

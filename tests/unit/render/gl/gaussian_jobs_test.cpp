@@ -136,5 +136,5 @@ TEST(GpuJobs, JudgeTheFollowedSamples) {
             2u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -289,5 +289,5 @@ TEST_F(GpuGaussianPicture, OfLargerArraysHasTheSameBytes) {
   expectSamePicture("sweep", scene, view, lens(6.0f, 1.0f), gpu);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

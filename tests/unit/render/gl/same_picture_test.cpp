@@ -137,5 +137,5 @@ TEST_F(GpuPicture, OfAnEmptySceneIsTheBackground) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -75,5 +75,5 @@ TEST(ShaderText, TheReferenceCompilerTakesEachVariant) {
   EXPECT_EQ(status, 0) << folder.read("log");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

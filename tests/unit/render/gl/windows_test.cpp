@@ -70,5 +70,5 @@ TEST_F(GpuWindows, OneLineNamesAnImageThatIsTooLarge) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -121,5 +121,5 @@ TEST(ImageFile, UnknownExtensionIsRefused) {
   EXPECT_NO_THROW(checkImageExtension("image.exr"));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

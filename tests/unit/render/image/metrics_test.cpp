@@ -159,5 +159,5 @@ TEST(SilhouettePsnr, CountsTheBandAlone) {
   EXPECT_NEAR(*silhouettePsnr_dB(a, b, band), -10.0 * std::log10(0.25 / 6.0), kExact);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

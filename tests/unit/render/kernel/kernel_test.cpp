@@ -56,5 +56,5 @@ TEST(KernelShape, IsNowhereNegative) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

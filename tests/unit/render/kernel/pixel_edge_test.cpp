@@ -74,5 +74,5 @@ TEST(PixelEdge, SeesAllOfALayerOnTheOtherSide) {
   EXPECT_NEAR(seenOverIndependent(left, 0.5f, right), 4.0f / 3, 0.01f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -223,5 +223,5 @@ TEST(ABuffer, AgreesWithTheDefinitionAtEachPixel) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

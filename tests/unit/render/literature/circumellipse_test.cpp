@@ -71,5 +71,5 @@ TEST(Circumellipse, OfNothingAndALineIsTheLine) {
              9.0f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -180,5 +180,5 @@ TEST(PaperHierarchy, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

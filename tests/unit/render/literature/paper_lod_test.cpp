@@ -145,5 +145,5 @@ TEST(PaperLod, ShapeIsNotLowPassedWhichIsTheKnownFailure) {
   EXPECT_NEAR(light("sweep-lod", 30.0f) / mass, 1.0, kSlopes);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

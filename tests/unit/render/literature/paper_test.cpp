@@ -398,5 +398,5 @@ TEST_P(PaperMethods, OrderOfSurfelsDoesNotMatter) {
   EXPECT_GT(psnr_dB(a, b), 110.0);  // rounding of sums alone
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

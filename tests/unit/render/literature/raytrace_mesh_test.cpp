@@ -113,6 +113,6 @@ TEST(RaytraceMesh, ShowsAnEmptySceneAsBackground) {
   for (const glm::vec4& pixel : frame.rgba) EXPECT_EQ(pixel, glm::vec4(0.5f, 0.5f, 0.5f, 0.0f));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci
 #endif  // FOCI_RAYTRACE

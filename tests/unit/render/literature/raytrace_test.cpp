@@ -251,6 +251,6 @@ TEST(LensSampleOfPixel, IsStratifiedInArea) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci
 #endif

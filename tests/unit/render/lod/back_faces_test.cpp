@@ -159,5 +159,5 @@ TEST(BackFaces, FromWithinTheBoxNothingChanges) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

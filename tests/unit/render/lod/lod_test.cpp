@@ -501,5 +501,5 @@ TEST(SubApertures, HaveTheDiscsMeanAndVariance) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

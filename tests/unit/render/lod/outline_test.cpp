@@ -41,5 +41,5 @@ TEST(Outline, CoversTheScene) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -252,5 +252,5 @@ TEST(SurfaceQuery, TheSceneOwnTreeGivesTheSameDistances) {
   EXPECT_GT(hits, 10);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

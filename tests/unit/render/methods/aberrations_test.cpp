@@ -221,5 +221,5 @@ TEST(AutoOfAnEye, StaysWithinItsPrediction) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

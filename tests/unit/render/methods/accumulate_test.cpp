@@ -62,5 +62,5 @@ TEST(Accumulate, FailureFewViewsShowAsGhosts) {
   EXPECT_LT(many, few / 5.0f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -363,5 +363,5 @@ TEST_F(AutoTest, FoveatedIsTheSameAtTheGazeAndCheaperElsewhere) {
   EXPECT_LT(glm::length(mean(everywhere) - mean(around)), 0.02f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -64,5 +64,5 @@ TEST(BlurPyramid, APointKeepsItsLightAndGetsTheVarianceOfTheDisc) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -260,6 +260,6 @@ TEST(ClosedSurfaces, LeakNoBackgroundWhereOutlinesMeet) {
   expectNoLeaks(shape, {"auto:4", "auto:5", "auto:6"}, {0.2f, 0.35f}, {3.0f});
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci
 #endif  // FOCI_RAYTRACE

@@ -212,5 +212,5 @@ TEST(DiscsOfTiles, MoreDiscsWeighMoreTheLargerTheErrorIs) {
   EXPECT_EQ(weights[2], 1.0f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

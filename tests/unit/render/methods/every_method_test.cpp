@@ -159,5 +159,5 @@ INSTANTIATE_TEST_SUITE_P(Methods, ClosedSurfaces,
                                          "shinya", "fearing", "mulder", "sweep", "accumulate:16"),
                          nameOf);
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -59,5 +59,5 @@ TEST_F(Foliage, FailureOfSweepLodFewSubAperturesAreNotEnough) {
   EXPECT_LT(dB[0], dB[1] - 3.0) << dB[0] << " dB";
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

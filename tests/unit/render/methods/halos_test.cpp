@@ -64,5 +64,5 @@ TEST(Halos, AreLinesAlongTheRadius) {
   EXPECT_GT(along, 20.0 * across);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -60,5 +60,5 @@ TEST(SubApertures, AreAsManyAsAsked) {
     EXPECT_EQ(subApertureCentres(n).size(), static_cast<std::size_t>(n));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

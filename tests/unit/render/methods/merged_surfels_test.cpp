@@ -56,5 +56,5 @@ TEST(MergedSurfels, AreCoarserWhereThePrefilterIsWider) {
   EXPECT_LT(2 * splatsAt(3.0f), splatsAt(1.0f));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

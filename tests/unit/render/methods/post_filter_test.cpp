@@ -102,5 +102,5 @@ TEST(Vergences, SlantedSurfacesKeepTheirDistances) {
   for (int x = 0; x < 40; ++x) EXPECT_FLOAT_EQ(point_D[x], 1.0f / image.depth_m[x]);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

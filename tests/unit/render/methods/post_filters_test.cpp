@@ -283,5 +283,5 @@ TEST(Mulder, FailureOffTheGazeOutlinesStaySharpAndSharpSurfacesLeak) {
   EXPECT_GT(EdgeScene::at(near, 4).r, 0.1f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

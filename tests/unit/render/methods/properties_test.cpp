@@ -126,5 +126,5 @@ RC_GTEST_PROP(APointOfLight, IsBlurredMoreByALargerPupilAndByMoreDefocus, ()) {
   RC_ASSERT(variance_px2(1.1f) > variance_px2(1.0f));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

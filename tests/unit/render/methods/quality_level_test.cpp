@@ -35,5 +35,5 @@ TEST(QualityLevel, OtherTextIsNoLevel) {
   EXPECT_EQ(qualityLevelNumbered(10), std::nullopt);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -156,5 +156,5 @@ TEST(Inflate, FailureBlurredSheetsTransmitLightFromBehind) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

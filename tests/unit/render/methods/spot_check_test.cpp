@@ -76,5 +76,5 @@ TEST_F(SpotCheckTest, ASharpFrameIsItsOwnTruth) {
   EXPECT_EQ(*check.errorOfViews(), 0.0f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -74,5 +74,5 @@ TEST_F(Strips, SameBytesAtAnyNumberOfThreads) {
   EXPECT_EQ(many.depth_m, alone.depth_m);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -57,5 +57,5 @@ TEST(TimeBudget, TriesAgainSoonerWhereTheViewMoves) {
   EXPECT_LT(50 * framesUntilFits(true), framesUntilFits(false));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

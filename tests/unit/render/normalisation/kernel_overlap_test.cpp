@@ -56,5 +56,5 @@ TEST(KernelOverlap, EndsWhereKernelsTouch) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

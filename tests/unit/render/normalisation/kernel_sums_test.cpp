@@ -266,5 +266,5 @@ TEST(KernelSums, GiveUpWhereAllSurfelsCoincide) {
   EXPECT_EQ(shareWithin({}, 0.1f, true), 1.0);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

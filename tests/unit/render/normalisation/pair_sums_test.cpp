@@ -105,5 +105,5 @@ TEST(PairSums, EndWhereNeighboursAreFar) {
       9.0f / (20.0f * std::numbers::pi_v<float>)*alone.weight_m2 / (2.0f * alone.variance_m2));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

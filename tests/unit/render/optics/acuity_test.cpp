@@ -81,5 +81,5 @@ TEST(Acuity, WhatIsLeftOutIsNotSeen) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -78,5 +78,5 @@ TEST(BlurRadius, OfCameraMatchesEquation3) {
   EXPECT_NEAR(blurRadius_px(camera, static_cast<float>(1.0 / point_m)).x, expected_px, 1e-5);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

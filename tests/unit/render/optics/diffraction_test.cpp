@@ -143,5 +143,5 @@ TEST(Diffraction, WidensThePrefilterOnlyWhereItShows) {
               std::sqrt(1.25f), 1e-6f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -150,5 +150,5 @@ TEST(LensParts, DiffractionTakesLightFromTheRimIntoHalos) {
   EXPECT_EQ(lensParts(lensOf(pupil, 0.0), withoutDiffraction(pupil), 19).size(), 19u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

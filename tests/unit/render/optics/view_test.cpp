@@ -40,5 +40,5 @@ TEST(View, OfCameraSpansItsFieldOfView) {
   EXPECT_NEAR(project(view, {0.0f, -1.0f, -1.0f}).y, 256.0f, kFloat);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

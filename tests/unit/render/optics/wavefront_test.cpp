@@ -179,5 +179,5 @@ TEST(Wavefront, RootMeanSquareIsTheLengthOfTheCoefficients) {
   EXPECT_NEAR(rms_um(withoutRefraction(w)), 1.2, 1e-12);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

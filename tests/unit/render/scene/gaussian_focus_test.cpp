@@ -166,5 +166,5 @@ TEST(GaussianFocus, OfSeparateOpaqueGaussiansChangesAtTheirMeanOpacity) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

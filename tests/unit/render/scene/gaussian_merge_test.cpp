@@ -188,5 +188,5 @@ TEST(GaussianMerge, ALowPassKeepsASingleGaussianAndAddsFaintAreas) {
               50.0f * kAlpha * kShare, 1e-5f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -81,5 +81,5 @@ TEST(Harmonics, GiveTheColourOfAGaussian) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

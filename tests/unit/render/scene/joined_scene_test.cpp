@@ -165,5 +165,5 @@ TEST(JoinedScene, AGaussianWallHidesAMeshBehindItAndNotOneBeforeIt) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -113,5 +113,5 @@ TEST(BesideTheEye, WhatIsOnTheImageStaysThereAtAnyPlaceOfTheLens) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

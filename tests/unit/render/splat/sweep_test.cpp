@@ -467,5 +467,5 @@ TEST(Methods, WrongNamesAndNumbersAreToldWhatWasExpected) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

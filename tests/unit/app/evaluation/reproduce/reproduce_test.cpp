@@ -5,8 +5,8 @@
 #include <limits>
 #include <sstream>
 
-#include "app/evaluation/reproduce/chart.h"
 #include "app/evaluation/reproduce/measure.h"
+#include "app/evaluation/reproduce/page.h"
 #include "app/evaluation/reproduce/ratios.h"
 #include "app/evaluation/reproduce/scenes.h"
 #include "app/evaluation/timed_runs.h"
@@ -235,5 +235,5 @@ TEST(MeasureScene, CountsItsFramesAndSortsItsRows) {
   EXPECT_NE(chartOf(scene, result.rows, 2).find("</svg>"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -196,5 +196,5 @@ TEST(AppendSurface, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(one.color, four.color);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -253,5 +253,5 @@ TEST(SurfelsFromPoints, AreTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(one.area_m2, four.area_m2);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -268,5 +268,5 @@ TEST_F(FociFileTest, RefusesSurfelsThatAreNotSoundThoughTheChecksumIs) {
   EXPECT_EQ(refused([](SurfelCloud&) {}), "");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -158,5 +158,5 @@ TEST_F(FociGaussians, RefuseWhatIsNotSound) {
   EXPECT_NE(refusalOf(cloud).find("node 3 is not sound"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

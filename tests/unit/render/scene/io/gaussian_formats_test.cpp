@@ -547,5 +547,5 @@ TEST(GaussianFormats, OpenAsAScene) {
   EXPECT_THROW(openPoints(readScene(folder.path() / "s.ply"), 1.0), InputError);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

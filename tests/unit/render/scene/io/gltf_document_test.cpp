@@ -102,5 +102,5 @@ TEST_F(GltfLimits, OddPartsAreRefused) {
   EXPECT_NE(refusal("a.glb", "glTF").find("JSON"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

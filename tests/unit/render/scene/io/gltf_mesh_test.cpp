@@ -289,5 +289,5 @@ TEST(GltfMesh, DracoIsUnpackedWhateverTheTypeOfIndices) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

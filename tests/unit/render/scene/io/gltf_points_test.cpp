@@ -263,5 +263,5 @@ TEST_F(GltfPointsTest, LinesAloneAreRefusedAsLines) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -132,5 +132,5 @@ TEST_F(GltfRanges, BuffersInsideTheFileHaveTheBytesThatTheyState) {
   EXPECT_NE(refusal(json), "");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -147,5 +147,5 @@ TEST_F(GltfShape, AJointThatIsNotThereIsRefused) {
   EXPECT_EQ(cornersOf(latin).size(), 3u);  // a name that is not UTF-8 changes no shape
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

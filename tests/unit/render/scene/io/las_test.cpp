@@ -284,5 +284,5 @@ TEST_F(Las, RefusesWhatItCannotRead) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

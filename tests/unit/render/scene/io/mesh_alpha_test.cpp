@@ -183,5 +183,5 @@ TEST_F(MeshAlpha, TexturesAreClampedOrMirrored) {
   EXPECT_EQ(obj("map_Kd -clamp on t.png\n").mesh.materials.back().wrap[1], TextureWrap::clamp);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -49,5 +49,5 @@ TEST_F(MeshCompanions, OfWhatCannotBeReadAreNone) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -374,5 +374,5 @@ TEST_F(MeshDamage, PartsOfAGltfThatAreNotShownAreNamed) {
   EXPECT_TRUE(has(said("a.gltf", gltf(3, texture)), "KTX2"));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -336,5 +336,5 @@ TEST_F(MeshMaterials, ZerosBesidePointsAreNoColour) {
   EXPECT_EQ(points.position_m[0].x, 0.25f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

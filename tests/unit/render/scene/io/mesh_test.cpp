@@ -254,5 +254,5 @@ TEST_F(MeshTest, SceneFilesOpenByTheirContent) {
   EXPECT_FLOAT_EQ(scene.cloud.area_m2[0], 0.08f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

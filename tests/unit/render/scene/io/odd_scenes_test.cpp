@@ -152,5 +152,5 @@ TEST_F(OddScenes, FoldersAndListsOfColmap) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -125,5 +125,5 @@ TEST_F(Off, OpensAsASceneWithYUp) {
   EXPECT_TRUE(isScene(file.path));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

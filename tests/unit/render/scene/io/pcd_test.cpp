@@ -144,5 +144,5 @@ TEST_F(Pcd, RefusesWhatIsDamaged) {
   EXPECT_EQ(read(moved).remarks.size(), 1u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -344,5 +344,5 @@ TEST(ReadPly, ReadsTheLion) {
   for (const glm::vec3& n : lion.normal) EXPECT_NEAR(glm::length(n), 1.0f, 1e-5f);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

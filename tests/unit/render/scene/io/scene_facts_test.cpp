@@ -138,5 +138,5 @@ TEST_F(Facts, OfNothingAreRefused) {
   EXPECT_THROW(factsIn(scratch.write("broken.fbx", "Kaydara FBX Binary  ")), InputError);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -152,5 +152,5 @@ TEST_F(SceneFormats, PointsMayBePackedByGzip) {
   EXPECT_TRUE(has(refusal(scratch.write("m.obj.gz", gzipped(kObj))), "unpack it with gunzip"));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -115,5 +115,5 @@ TEST_F(StreamedSog, DamagedFilesAreRefusedInOneLine) {
   EXPECT_TRUE(has(refusal("{\"lodLevels\":1,\"filenames\":[],\"tree\":{}}"), "has no Gaussians"));
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -320,5 +320,5 @@ TEST_F(TextPoints, FormatsThatAreNotReadNameAConverter) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -126,5 +126,5 @@ TEST(Orientation, AMoebiusStripKeepsASeam) {
   EXPECT_EQ(orientOutwards(mesh), 0u);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -66,5 +66,5 @@ TEST(PartsOfAMesh, ManyPartsDoNotExplode) {
   EXPECT_LT(seen.small_m, 0.6 * seen.large_m);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -107,5 +107,5 @@ TEST(PoissonDisk, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

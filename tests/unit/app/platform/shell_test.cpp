@@ -1,4 +1,4 @@
-#include "app/platform/shell_word.h"
+#include "app/platform/shell.h"
 
 #include <gtest/gtest.h>
 
@@ -16,5 +16,5 @@ TEST(ShellWord, IsQuotedWhereAShellWouldReadItOtherwise) {
   EXPECT_EQ(shellWord(""), "''");
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "app/study/key_suggestion.h"
+#include "app/study/key_table.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,5 +1,5 @@
 // Statistics of the times of a live run.
-#include "app/record/landing.h"
+#include "app/record/live_facts.h"
 
 #include <gtest/gtest.h>
 
@@ -38,5 +38,5 @@ TEST(Landings, LastFromTheSampleThatLandedToTheFirstFullFrame) {
   EXPECT_DOUBLE_EQ(landings.fullShare(), 5.0 / 9.0);
 }
 
-}  // namespace
+}  // namespace FOCI_FILE
 }  // namespace foci

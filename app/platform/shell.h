@@ -1,11 +1,16 @@
-// Bytes to a command's standard input.
+// The shell: command lines that paste back into it, and bytes to a command's standard input.
 #pragma once
 
 #include <cstddef>
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 namespace foci {
+
+/// `text` as one word of a POSIX shell: in single quotes where a shell would read it otherwise, and
+/// as $'...' with escapes (POSIX.1-2024) where it has control characters.
+std::string shellWord(std::string_view text);
 
 class ShellPipe {
  public:

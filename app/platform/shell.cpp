@@ -1,7 +1,8 @@
-#include "app/platform/shell_word.h"
+#include "app/platform/shell.h"
 
 #include <algorithm>
 #include <cctype>
+#include <csignal>
 
 namespace foci {
 
@@ -34,6 +35,21 @@ std::string shellWord(std::string_view text) {
     }
   }
   return quoted + '\'';
+}
+
+bool ShellPipe::open(const std::string& command) {
+  std::signal(SIGPIPE, SIG_IGN);  // writing fails instead
+  pipe_ = popen(command.c_str(), "w");
+  return pipe_ != nullptr;
+}
+
+bool ShellPipe::write(const void* bytes, std::size_t count) {
+  return std::fwrite(bytes, 1, count, pipe_) == count;
+}
+
+void ShellPipe::close() {
+  if (pipe_ != nullptr) pclose(pipe_);
+  pipe_ = nullptr;
 }
 
 }  // namespace foci
