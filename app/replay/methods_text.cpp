@@ -114,7 +114,7 @@ std::string eventSentence(const Study& study, const ReportFacts& facts) {
          ". Data loss up to " + milli(events.max_gap_s) + " was bridged; fixations less than " +
          milli(events.merge_gap_s) + " and " + significant(events.merge_deg) +
          " deg apart [@olsen2012] were merged, and those shorter than " +
-         milli(events.min_fixation_s) + " left out. ";
+         milli(events.min_fixation_s) + " left out.";
 }
 
 std::string citedEye(const Study& study) {

@@ -15,7 +15,7 @@ std::string textOf(WebcamProblem problem, double ipd_px) {
       "one eye is hidden",
       "the face is too far away or the image too small: the iris has ",
       "several faces: the one that was followed, or else the largest, is used"};
-  const std::string text = kTexts[static_cast<std::size_t>(problem)];
+  std::string text = kTexts[static_cast<std::size_t>(problem)];
   if (problem != WebcamProblem::too_far) return text;
   return text + decimal(2.0 * kLimbus_mm * ipd_px / kMeanIpd_mm, 1) + " pixels, 8 are needed";
 }

@@ -113,8 +113,8 @@ std::string ratioText(const ReproduceFacts& facts) {
   return html + "</p>\n";
 }
 
-void writeFigurePanels(std::ostream& out, const std::vector<FigurePanel>& row) {
-  for (const FigurePanel& panel : row) {
+void writeFigurePanels(std::ostream& out, const std::vector<PaperFigure>& row) {
+  for (const PaperFigure& panel : row) {
     out << "<figure><img alt=\"" << escaped(panel.caption) << "\" src=\"data:image/jpeg;base64,";
     Base64 base64(out);
     const auto jpeg = jpegOf(panel.image);
@@ -288,7 +288,7 @@ std::string figureDb(double value) {
 
 }  // namespace
 
-std::vector<FigurePanel> figure1(const SurfelCloud& gallery, int views,
+std::vector<PaperFigure> figure1(const SurfelCloud& gallery, int views,
                                  const std::function<void(std::size_t)>& on_frames) {
   const View view = maskView(kFigure_px);
   const auto ours = makeMethod(kOurs, gallery);
@@ -298,7 +298,7 @@ std::vector<FigurePanel> figure1(const SurfelCloud& gallery, int views,
   const std::array<double, 3> focus_D = {1.0 / mask_m, 0.5 / mask_m + 0.5 / bust_m, 1.0 / bust_m};
   const std::array<const char*, 3> names = {"the mask in focus", "between the two",
                                             "the bust in focus"};
-  std::vector<FigurePanel> panels;
+  std::vector<PaperFigure> panels;
   for (std::size_t i = 0; i < focus_D.size(); ++i) {
     RenderSettings settings;
     settings.defocus = defocusOfLens(kLens_m, view.focal_px, focus_D[i], DistanceAlong::axis);
@@ -313,9 +313,9 @@ std::vector<FigurePanel> figure1(const SurfelCloud& gallery, int views,
   return panels;
 }
 
-std::vector<std::vector<FigurePanel>> figure6(const ReproduceScene& scene,
+std::vector<std::vector<PaperFigure>> figure6(const ReproduceScene& scene,
                                               const SceneResult& result) {
-  std::vector<std::vector<FigurePanel>> rows;
+  std::vector<std::vector<PaperFigure>> rows;
   for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
     const Frame& ours = result.frames.at(kOurs)[aperture];
     const ReproduceReference& reference = result.reference[aperture];

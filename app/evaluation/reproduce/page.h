@@ -20,7 +20,7 @@ std::string chartOf(const ReproduceScene& scene, const std::vector<ReproduceRow>
                     unsigned threads);
 
 /// An image with its caption.
-struct FigurePanel {
+struct PaperFigure {
   Image image;
   std::string caption;
 };
@@ -29,23 +29,23 @@ struct FigurePanel {
 /// the bust.
 /// @param views      of the references
 /// @param on_frames  called with the number of frames rendered since the last call
-std::vector<FigurePanel> figure1(const SurfelCloud& gallery, int views,
+std::vector<PaperFigure> figure1(const SurfelCloud& gallery, int views,
                                  const std::function<void(std::size_t)>& on_frames);
 
 /// Figure 6: a row for each aperture, with foci's frame, the reference, and their difference.
-std::vector<std::vector<FigurePanel>> figure6(const ReproduceScene& scene,
+std::vector<std::vector<PaperFigure>> figure6(const ReproduceScene& scene,
                                               const SceneResult& result);
 
 struct ReproducedScene {
   const ReproduceScene& scene;
   const SceneResult& result;
-  std::vector<std::vector<FigurePanel>> figure6;
+  std::vector<std::vector<PaperFigure>> figure6;
 };
 
 struct ReproduceFacts {
   std::vector<ReproducedScene> scenes = {};  ///< the plane, then the lion
   std::vector<ReproduceRatio> ratios = {};
-  std::vector<FigurePanel> figure1 = {};
+  std::vector<PaperFigure> figure1 = {};
   std::optional<Growth> growth = {};
   ReproduceEffort effort;
   std::vector<unsigned> threads;

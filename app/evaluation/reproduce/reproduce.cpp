@@ -25,11 +25,11 @@ constexpr const char* kFigure6 = "figure6_";  // and the name of its scene
 
 std::string textOf(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
-std::vector<std::vector<Image>> imagesOf(const std::vector<std::vector<FigurePanel>>& rows) {
+std::vector<std::vector<Image>> imagesOf(const std::vector<std::vector<PaperFigure>>& rows) {
   std::vector<std::vector<Image>> images;
   for (const auto& row : rows) {
     auto& next = images.emplace_back();
-    for (const FigurePanel& panel : row) next.push_back(panel.image);
+    for (const PaperFigure& panel : row) next.push_back(panel.image);
   }
   return images;
 }
