@@ -23,13 +23,13 @@ py::array viewOf(const py::object& image, std::vector<py::ssize_t> shape,
 }
 
 py::array channelsOf(const py::object& self, py::ssize_t channels) {
-  const Frame& frame = self.cast<const Image&>().rendered->frame;
+  const Frame& frame = self.cast<const EyeImage&>().rendered->frame;
   constexpr py::ssize_t kPixel = sizeof(glm::vec4), kChannel = sizeof(float);
   return viewOf(self, {frame.size_px.y, frame.size_px.x, channels},
                 {frame.size_px.x * kPixel, kPixel, kChannel}, &frame.rgba.data()->x);
 }
 
-const Frame& frameWithDepth(const Image& image) {
+const Frame& frameWithDepth(const EyeImage& image) {
   const Frame& frame = image.rendered->frame;
   if (frame.depth_m.empty()) {
     throw InputError("the image has no depth", "render it with depth=True");
@@ -38,7 +38,7 @@ const Frame& frameWithDepth(const Image& image) {
 }
 
 py::array depthOf(const py::object& self) {
-  const Frame& frame = frameWithDepth(self.cast<const Image&>());
+  const Frame& frame = frameWithDepth(self.cast<const EyeImage&>());
   constexpr py::ssize_t kPixel = sizeof(float);
   return viewOf(self, {frame.size_px.y, frame.size_px.x}, {frame.size_px.x * kPixel, kPixel},
                 frame.depth_m.data());
@@ -46,7 +46,7 @@ py::array depthOf(const py::object& self) {
 
 /// A map of the same size, from each pixel's distance. NaN where there is no surface.
 template <typename Function>
-py::array_t<float> mapOf(const Image& image, const Function& function) {
+py::array_t<float> mapOf(const EyeImage& image, const Function& function) {
   const Frame& frame = frameWithDepth(image);
   py::array_t<float> map({frame.size_px.y, frame.size_px.x});
   float* out = map.mutable_data();
@@ -61,21 +61,21 @@ py::array_t<float> mapOf(const Image& image, const Function& function) {
   return map;
 }
 
-const Defocus& defocusOf(const Image& image) {
+const Defocus& defocusOf(const EyeImage& image) {
   return image.rendered->request.eyes.front().settings.defocus;
 }
 
-py::array_t<float> defocusMap(const Image& image) {
+py::array_t<float> defocusMap(const EyeImage& image) {
   const float focus_D = defocusOf(image).focus_D;
   return mapOf(image, [focus_D](float point_D) { return point_D - focus_D; });
 }
 
-py::array_t<float> blurMap(const Image& image) {
+py::array_t<float> blurMap(const EyeImage& image) {
   const Defocus& defocus = defocusOf(image);
   return mapOf(image, [&defocus](float point_D) { return blurRadius_px(defocus, point_D).x; });
 }
 
-py::array_t<std::uint8_t> codes(const Image& image, const std::optional<double>& gamma) {
+py::array_t<std::uint8_t> codes(const EyeImage& image, const std::optional<double>& gamma) {
   if (gamma) inRange("gamma", *gamma, 1.0, 4.0);
   const Frame& frame = image.rendered->frame;
   std::unique_ptr<std::vector<std::uint8_t>> bytes;
@@ -100,7 +100,7 @@ py::object asArray(const py::object& self, const py::object& dtype, const py::ob
   return array;
 }
 
-void save(const Image& image, const std::filesystem::path& file) {
+void save(const EyeImage& image, const std::filesystem::path& file) {
   const py::gil_scoped_release released;
   checkImageExtension(file);
   writeImage(file, image.rendered->frame);
@@ -129,7 +129,7 @@ void FramePool::giveBack(std::unique_ptr<RenderedFrame> frame) {
 }
 
 void bindImage(py::module_& module) {
-  py::class_<Image>(
+  py::class_<EyeImage>(
       module, "Image",
       "A rendered image. numpy.asarray(image) is `rgb`. Its arrays share the image's memory and "
       "are\nread-only.")
@@ -158,41 +158,41 @@ void bindImage(py::module_& module) {
            "Write a .png (8 bits, sRGB), or a .pfm or .exr (linear float).")
       .def_property_readonly(
           "shape",
-          [](const Image& image) {
+          [](const EyeImage& image) {
             const glm::ivec2& size_px = image.rendered->frame.size_px;
             return py::make_tuple(size_px.y, size_px.x, 3);
           },
           "(height, width, 3).")
       .def_property_readonly(
-          "focus_D", [](const Image& i) { return i.record.eye.focus_D; },
+          "focus_D", [](const EyeImage& i) { return i.record.eye.focus_D; },
           "Focus of the eye, dioptres.")
       .def_property_readonly(
-          "surface_distance_m", [](const Image& i) { return i.record.eye.surface_distance_m; },
+          "surface_distance_m", [](const EyeImage& i) { return i.record.eye.surface_distance_m; },
           "Distance of the surface at the gaze, metres; None if there is none.")
       .def_property_readonly(
-          "pupil_mm", [](const Image& i) { return i.record.pupil_mm; },
+          "pupil_mm", [](const EyeImage& i) { return i.record.pupil_mm; },
           "Diameter of the pupil, millimetres.")
       .def_property_readonly(
-          "time_s", [](const Image& i) { return i.record.time_s; },
+          "time_s", [](const EyeImage& i) { return i.record.time_s; },
           "Of a session's frame, seconds on the clock of its samples.")
       .def_property_readonly(
-          "state", [](const Image& i) { return nameOf(i.record.eye.state); },
+          "state", [](const EyeImage& i) { return nameOf(i.record.eye.state); },
           "State of the gaze: \"fixation\", \"saccade\", ...")
       .def_property_readonly(
-          "rendered", [](const Image& i) { return i.record.rendered; },
+          "rendered", [](const EyeImage& i) { return i.record.rendered; },
           "False: the session returned its previous frame again.")
       .def_property_readonly(
-          "render_ms", [](const Image& i) { return i.record.stats.ms; },
+          "render_ms", [](const EyeImage& i) { return i.record.stats.ms; },
           "Time that the renderer took, milliseconds; 0 for a frame that was "
           "reused.")
       .def_property_readonly(
-          "splats", [](const Image& i) { return i.record.stats.splats; },
+          "splats", [](const EyeImage& i) { return i.record.stats.splats; },
           "Number of splats that were rendered.")
       .def_property_readonly(
-          "method", [](const Image& i) { return i.record.method; },
+          "method", [](const EyeImage& i) { return i.record.method; },
           "The method that renders the same image again.")
       .def("__array__", &asArray, py::arg("dtype") = py::none(), py::arg("copy") = py::none())
-      .def("__repr__", [](const Image& image) {
+      .def("__repr__", [](const EyeImage& image) {
         const glm::ivec2& size_px = image.rendered->frame.size_px;
         return std::string(
             py::str("<foci.Image {}x{}, focus {:.2f} D, pupil {:.1f} mm>")

@@ -28,7 +28,7 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
 };
 
 /// Owns its pixels together with every array that Python has of them.
-struct Image {
+struct EyeImage {
   std::shared_ptr<const RenderedFrame> rendered;
   FrameRecord record{};
 };

@@ -84,10 +84,10 @@ py::tuple bounds(const Scene& scene) {
   return py::make_tuple(py::tuple(py::cast(tripleOf(low))), py::tuple(py::cast(tripleOf(high))));
 }
 
-Image render(Scene& scene, const StillEye& eye, const Screen& screen,
-             const std::optional<double>& focus_m, const std::optional<Pair>& gaze_px,
-             const std::optional<std::array<int, 2>>& size_px, const std::string& method,
-             const Triple& background, double shading, double tolerance, bool depth) {
+EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
+                const std::optional<double>& focus_m, const std::optional<Pair>& gaze_px,
+                const std::optional<std::array<int, 2>>& size_px, const std::string& method,
+                const Triple& background, double shading, double tolerance, bool depth) {
   PictureOptions options{.method = method,
                          .background = vectorOf(background),
                          .shading = shading,
@@ -123,7 +123,7 @@ void renderInto(FrameRenderer& renderer, const RenderRequest& request,
   record.rendered = true;
 }
 
-Image Scene::render(const SessionSettings& settings, const glm::dvec2& gaze_px, bool depth) {
+EyeImage Scene::render(const SessionSettings& settings, const glm::dvec2& gaze_px, bool depth) {
   const std::lock_guard lock(mutex_);
   SessionSettings looking = settings;
   looking.method = kLookingMethod;

@@ -26,7 +26,7 @@ class Scene {
 
   /// What the eye sees after a long look at a point of the screen. One thread at a time renders;
   /// others wait.
-  Image render(const SessionSettings& settings, const glm::dvec2& gaze_px, bool depth);
+  EyeImage render(const SessionSettings& settings, const glm::dvec2& gaze_px, bool depth);
 
  private:
   OpenedScene opened_;

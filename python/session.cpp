@@ -83,7 +83,7 @@ class LiveSession {
     return stateLocked(time_s);
   }
 
-  Image frame(double time_s) {
+  EyeImage frame(double time_s) {
     const py::gil_scoped_release released;
     const std::lock_guard rendering(render_mutex_);
     FrameRecord record;
