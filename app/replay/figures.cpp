@@ -21,7 +21,8 @@ namespace foci {
 namespace {
 
 constexpr int kMapWidth = 640;
-constexpr float kMapDim = 0.5f;  // of the frame under the gaze map
+constexpr float kMapDim = 0.5f;              // of the frame under the gaze map
+const glm::vec3 kLuma(0.30f, 0.59f, 0.11f);  // of sRGB codes (ITU-R BT.601)
 
 /// The finished run, or one trial of it.
 struct FigureRun {
@@ -195,7 +196,7 @@ GnuplotChart scanpathFigure(const FigureStyle& wanted, const Screen& screen,
     const double order =
         path.size() < 2 ? 0.0 : static_cast<double>(i) / static_cast<double>(path.size() - 1);
     const glm::vec3 color = colorAt(style.colors, static_cast<float>(order));
-    const bool bright = glm::dot(color, glm::vec3(0.30f, 0.59f, 0.11f)) > 0.5f;
+    const bool bright = glm::dot(color, kLuma) > 0.5f;
     picture.settings += "set label '" + std::to_string(point.number) + "' at " +
                         decimal(number_px.x, 2) + "," + decimal(number_px.y, 2) +
                         " center front textcolor rgb '" + (bright ? "#000000" : "#ffffff") + "'\n";
@@ -255,7 +256,7 @@ GnuplotChart gazeMapFigure(const FigureStyle& wanted, const Screen& screen, cons
   image.rgb.resize(3 * map.size(), 0);
   for (std::size_t i = 0; i < map.size(); ++i) {
     std::uint8_t* const rgb = &image.rgb[3 * i];
-    const float grey = kMapDim / 255.0f * (0.30f * rgb[0] + 0.59f * rgb[1] + 0.11f * rgb[2]);
+    const float grey = kMapDim / 255.0f * glm::dot(kLuma, glm::vec3(rgb[0], rgb[1], rgb[2]));
     const float share = map[i] / most;
     const glm::vec3 color = heatAt(style.colors, share < 0.01f ? 0.0f : share, grey);
     for (int c = 0; c < 3; ++c) rgb[c] = static_cast<std::uint8_t>(std::lround(255 * color[c]));

@@ -25,13 +25,6 @@ Json manifestOf(const std::filesystem::path& folder) {
   throw InputError(file.string(), "expected the manifest of a replay by this version of foci");
 }
 
-GazeState stateNamed(std::string_view name) {
-  for (std::size_t i = 0; i < kGazeStates; ++i) {
-    if (nameOf(static_cast<GazeState>(i)) == name) return static_cast<GazeState>(i);
-  }
-  return GazeState::lost;
-}
-
 /// Reads columns of a table by their names.
 struct Columns {
   NamedTable& table;
@@ -61,7 +54,7 @@ std::vector<RunFrame> framesOfRun(const std::filesystem::path& folder) {
                        .focus_D = needed("focus_D"),
                        .pupil_mm = needed("pupil_mm"),
                        .render_ms = needed("render_ms"),
-                       .state = stateNamed(at.text("gaze_state"))},
+                       .state = stateNamed(at.text("gaze_state")).value_or(GazeState::lost)},
                       {at("eye_x_m"), at("eye_y_m"), at("eye_z_m")},
                       {at("eye_qw"), at("eye_qx"), at("eye_qy"), at("eye_qz")},
                       at.text("trial"),

@@ -301,13 +301,10 @@ std::optional<glm::dvec2> pointOf(const Json& json) {
   return vectorOf(json);
 }
 
-GazeState stateNamed(const std::string& name) {
-  for (const GazeState state :
-       {GazeState::fixation, GazeState::saccade, GazeState::oscillation, GazeState::pursuit,
-        GazeState::blink, GazeState::lost, GazeState::unjudged}) {
-    if (nameOf(state) == name) return state;
-  }
-  throw std::runtime_error("unknown gaze state");
+GazeState stateOf(const Json& json) {
+  const auto state = stateNamed(json.get<std::string>());
+  if (!state) throw std::runtime_error("unknown gaze state");
+  return *state;
 }
 
 }  // namespace
@@ -362,7 +359,7 @@ PartFrame partFrameOf(const Json& json) {
   if (const auto time_s = numberOf(json.at("sample_time_s"))) {
     eye.sample = GazeSample{.time_s = *time_s};
   }
-  eye.state = stateNamed(json.at("state").get<std::string>());
+  eye.state = stateOf(json.at("state"));
   record.gaze_px = pointOf(json.at("gaze_px"));
   record.fixation_px = pointOf(json.at("fixation_px"));
   for (const Json& point : json.at("image_px")) frame.seen.gaze_px.push_back(vectorOf(point));

@@ -206,8 +206,7 @@ std::string configuration(const Study& study, bool changes) {
   return html + "</table></details>\n";
 }
 
-std::string methodsSection(const GazeTrace& trace, const ReportFacts& facts) {
-  const MethodsText text = methodsOf(trace, facts);
+std::string methodsSection(const MethodsText& text) {
   std::istringstream lines(text.markdown + "\n" + text.bibtex);
   std::string html = "<details><summary>Methods and references, ready to paste</summary><pre>";
   for (std::string line; std::getline(lines, line);) html += escaped(line) + "\n";
@@ -327,7 +326,8 @@ void heatSection(std::ostream& out, const ReportFacts& facts) {
 }  // namespace
 
 std::string writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
-                        const GazeTrace& trace, const ReportFacts& facts) {
+                        const GazeTrace& trace, const ReportFacts& facts,
+                        const MethodsText& methods) {
   const Study& study = facts.run.start;
   const std::vector<RunMark> marks = marksOf(facts.run);
   const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks);
@@ -338,9 +338,8 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
   embedVideo(out, video);
   out << opticsText(study, facts)
       << "<h2 id=\"sheet\">Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay "
-         "the frame at "
-         "which a "
-         "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "
+         "the frame at which a fixation had lasted longest. The ring marks the gaze; broken, where "
+         "the eye does not "
          "fixate.</p>\n";
   contactSheet(out, facts);
   out << objectsText(facts.objects);
@@ -352,16 +351,15 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
     out << "<p class=\"notice\">No charts: " << escaped(charts.problem) << ".</p>\n";
   }
   out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
-         "the "
-         "recording's clock.</p>\n"
+         "the recording's clock.</p>\n"
       << marksTable(marks) << dataLossText(facts)
       << "<h2 id=\"fixations\">Fixations</h2>\n<p class=\"quiet\">A click on a row, on a frame of "
          "the contact sheet or on the charts moves the video there.</p>\n"
-      << fixationRows(facts.fixations) << tableLinks() << methodsSection(trace, facts)
+      << fixationRows(facts.fixations) << tableLinks() << methodsSection(methods)
       << configuration(study, !facts.run.changes.empty()) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads") << ", rendered on " << escaped(facts.device)
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
-      << explorerScript(facts.rows, facts.trials, facts.rows.front().time_s) << kPageEnd;
+      << explorerScript(facts.rows) << kPageEnd;
   out.close();
   if (!out) throw std::runtime_error(cannotWrite(file));
   return charts.problem;

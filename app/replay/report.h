@@ -52,10 +52,13 @@ std::string toleranceText(const Study& study, const ReportFacts& facts);
 std::string focusText(const Study& study, const ReportFacts& facts);
 inline constexpr double kVisibleBlur_px = 0.5;  ///< change of the blur radius
 
+struct MethodsText;
+
 /// @param video  embedded, read block by block
 /// @return why the page has no charts, as it says; empty: it has them
 /// @throws std::runtime_error
 std::string writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
-                        const GazeTrace& trace, const ReportFacts& facts);
+                        const GazeTrace& trace, const ReportFacts& facts,
+                        const MethodsText& methods);
 
 }  // namespace foci

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
+#include <map>
 #include <sstream>
 
 #include "app/graphics/html.h"
@@ -34,23 +34,19 @@ function shape(x, width, paint) {
   return chart.appendChild(rect);
 }
 const cursor = chart && shape(xOf(from), 1.5, { fill: '#c94a4a' });
-function show(name) {
+if (picked) picked.onchange = () => {
+  const chosen = picked.selectedOptions[0], spans = JSON.parse(chosen.dataset.spans || '[]');
   for (const one of document.querySelectorAll('[data-trial]')) {
-    one.hidden = name !== null && one.dataset.trial !== name;
+    one.hidden = spans.length > 0 && one.dataset.trial !== chosen.value;
   }
   shapes.splice(0).forEach(one => one.remove());
-  if (!chart || name === null) return;
+  if (!spans.length) return;
+  seek(spans[0][0]);
   let end = from;
-  for (const trial of run.trials.filter(one => one.name === name)) {
-    shapes.push(shape(xOf(end), xOf(trial.first) - xOf(end), { fill: 'var(--ground)', opacity: .75 }));
-    end = trial.last;
+  for (const [first, last] of chart ? [...spans, [to, to]] : []) {
+    shapes.push(shape(xOf(end), xOf(first) - xOf(end), { fill: 'var(--ground)', opacity: .75 }));
+    end = last ?? to;
   }
-  shapes.push(shape(xOf(end), xOf(to) - xOf(end), { fill: 'var(--ground)', opacity: .75 }));
-}
-if (picked) picked.onchange = () => {
-  const name = picked.selectedIndex ? picked.value : null, trial = run.trials.find(one => one.name === name);
-  show(name);
-  if (trial) seek(trial.first);
 };
 for (const row of document.querySelectorAll('[data-at]')) row.onclick = () => seek(+row.dataset.at);
 if (video && cursor) setInterval(() => cursor.setAttribute('x', xOf(run.first + video.currentTime)), 50);
@@ -77,13 +73,6 @@ std::string json(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "null";
 }
 
-/// A text in a script of a page.
-std::string scriptText(const std::string& text) {
-  std::string quoted;
-  for (const char c : quotedText(visible(text))) quoted += c == '<' ? "\\u003c" : std::string(1, c);
-  return quoted;
-}
-
 std::vector<std::string> fieldsOf(const std::string& line) {
   std::vector<std::string> fields;
   std::istringstream in(line);
@@ -101,10 +90,18 @@ a { color: inherit; } [hidden] { display: none !important; }
 )";
 
 std::string trialChoice(const std::vector<TraceTrial>& trials) {
-  std::set<std::string> seen;
+  std::map<std::string, std::string> spans;
+  for (const TraceTrial& trial : trials) {
+    std::string& all = spans[trial.name];
+    all += (all.empty() ? "[" : ",[") + json(trial.first_s, 6) + "," + json(trial.last_s, 6) + "]";
+  }
   std::string options;
   for (const TraceTrial& trial : trials) {
-    if (seen.insert(trial.name).second) options += "<option>" + escaped(trial.name) + "</option>";
+    if (const auto own = spans.extract(trial.name)) {
+      const std::string name = escaped(trial.name);
+      options += "<option value=\"" + name + "\" data-spans=\"[" + own.mapped() + "]\">" + name +
+                 "</option>";
+    }
   }
   if (options.empty()) return "";
   return "<p><label>Trial <select id=\"trial\"><option>all</option>" + options +
@@ -147,19 +144,13 @@ std::string fixationRows(const std::string& table) {
   return html + "</table></div>\n";
 }
 
-std::string explorerScript(const std::vector<ChartRow>& rows, const std::vector<TraceTrial>& trials,
-                           double first_s) {
+std::string explorerScript(const std::vector<ChartRow>& rows) {
   const glm::dvec2 sides = panelSides(reportStyle());
   std::string text =
-      "<p id=\"tip\" hidden></p>\n<script>\nconst run = {first: " + decimal(first_s, 6) +
-      ", left: " + decimal(sides.x, 5) + ", right: " + decimal(sides.y, 5) +
-      ",\nnames: ['time, s', 'x, px', 'y, px', 'surface, D', 'focus, D', 'pupil, "
-      "mm'],\ntrials: [";
-  for (const TraceTrial& trial : trials) {
-    text += "{name: " + scriptText(trial.name) + ", first: " + json(trial.first_s, 6) +
-            ", last: " + json(trial.last_s, 6) + "},";
-  }
-  text += "],\nrows: [";
+      "<p id=\"tip\" hidden></p>\n<script>\nconst run = {first: " +
+      decimal(rows.front().time_s, 6) + ", left: " + decimal(sides.x, 5) +
+      ", right: " + decimal(sides.y, 5) +
+      ",\nnames: ['time, s', 'x, px', 'y, px', 'surface, D', 'focus, D', 'pupil, mm'],\nrows: [";
   for (const ChartRow& row : rows) {
     text += "[" + json(row.time_s, 3) + "," + json(row.gaze_x_px, 0) + "," +
             json(row.gaze_y_px, 0) + "," + json(row.surface_D, 2) + "," + json(row.focus_D, 2) +

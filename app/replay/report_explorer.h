@@ -12,16 +12,15 @@ namespace foci {
 
 extern const char* const kExplorerStyle;
 
-/// A list of the trials to choose from; "" for a run without trials.
+/// A list of the trials to choose from, each with its spans of time; "" for a run without trials.
 std::string trialChoice(const std::vector<TraceTrial>& trials);
 
 /// A row for each fixation, with its trial and time for the script.
 /// @param table  the text of fixations.tsv
 std::string fixationRows(const std::string& table);
 
-/// The script, with the values of the charts.
-/// @param first_s  time of the video's first frame
-std::string explorerScript(const std::vector<ChartRow>& rows, const std::vector<TraceTrial>& trials,
-                           double first_s);
+/// The script, with the values of the charts: numbers alone, so that no name can be a command.
+/// @param rows  the run's frames; the first is the video's first
+std::string explorerScript(const std::vector<ChartRow>& rows);
 
 }  // namespace foci

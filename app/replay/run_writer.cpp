@@ -196,7 +196,8 @@ RunResult RunWriter::finish(const RunFacts& run) {
   const MethodsText methods = methodsOf(gaze_.trace, facts);
   folder_.write(kMethods, methods.markdown);
   folder_.write(kReferences, methods.bibtex);
-  const std::string problem = writeReport(folder_.stage(kReport), video_file_, gaze_.trace, facts);
+  const std::string problem =
+      writeReport(folder_.stage(kReport), video_file_, gaze_.trace, facts, methods);
   if (!problem.empty()) say("the report has no charts: " + problem);
   folder_.commit();
   return {.summary = facts.summary, .image = facts.sheet[facts.sheet.size() / 2]};

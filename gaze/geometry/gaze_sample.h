@@ -46,10 +46,19 @@ enum class GazeState {
 };
 inline constexpr std::size_t kGazeStates = 7;
 
+/// The names, in the order of `GazeState`.
+inline constexpr std::array<std::string_view, kGazeStates> kGazeStateNames = {
+    "fixation", "saccade", "pso", "pursuit", "blink", "lost", "unjudged"};
+
 inline std::string_view nameOf(GazeState state) {
-  static constexpr std::array<std::string_view, kGazeStates> kNames = {
-      "fixation", "saccade", "pso", "pursuit", "blink", "lost", "unjudged"};
-  return kNames[static_cast<std::size_t>(state)];
+  return kGazeStateNames[static_cast<std::size_t>(state)];
+}
+
+inline std::optional<GazeState> stateNamed(std::string_view name) {
+  for (std::size_t i = 0; i < kGazeStates; ++i) {
+    if (kGazeStateNames[i] == name) return static_cast<GazeState>(i);
+  }
+  return std::nullopt;
 }
 
 /// One eye in a sample of a binocular recording.

@@ -8,12 +8,10 @@
 namespace foci {
 namespace {
 
-std::optional<GazeState> stateNamed(std::string_view name) {
-  for (const GazeState state : {GazeState::fixation, GazeState::saccade, GazeState::oscillation,
-                                GazeState::pursuit, GazeState::blink, GazeState::lost}) {
-    if (name == nameOf(state)) return state;
-  }
-  return std::nullopt;
+/// A coder judges each sample: `unjudged` is no label.
+std::optional<GazeState> labelNamed(std::string_view name) {
+  const auto state = stateNamed(name);
+  return state == GazeState::unjudged ? std::nullopt : state;
 }
 
 /// @param first  the label of the first sample, for the error
@@ -46,7 +44,7 @@ LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen&
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (columns[i] >= rows.size()) throw rows.error("a label is missing");
       if (first_words.size() == i) first_words.emplace_back(rows.text(columns[i]));
-      labelled.coders[i].labels.push_back(stateNamed(rows.text(columns[i])));
+      labelled.coders[i].labels.push_back(labelNamed(rows.text(columns[i])));
     }
   }
   if (labelled.coders[0].labels.size() != labelled.trace.samples.size()) {

@@ -82,7 +82,7 @@ def input_is_a(box, reader, what):
     box.require(outcome.code in (1, 2), f"{reader}: exit code {outcome.code}")
 
 
-@attack(*[(file, what) for file in ("frames.tsv", "events.tsv", "objects.tsv", "video.mp4")
+@attack(*[(file, what) for file in ("frames.tsv", "fixations.tsv", "objects.tsv", "video.mp4")
           for what in ("pipe", "device")])
 def compared_run_has_a(box, file, what):
     box.run("replay", "study.toml", "--out", "a").done()
