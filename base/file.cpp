@@ -3,6 +3,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -47,6 +48,14 @@ void writeText(const fs::path& path, const std::string& text) {
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.close();
   if (!out) throw std::runtime_error(cannotWrite(path));
+}
+
+std::optional<fs::path> userFolder(const char* variable, const char* in_home) {
+  const char* const named = std::getenv(variable);
+  const char* const home = std::getenv("HOME");
+  if (named != nullptr && *named != 0) return fs::path(named);
+  if (home == nullptr || *home == 0) return std::nullopt;
+  return fs::path(home) / in_home;
 }
 
 std::string bytesOfFile(const std::filesystem::path& file, std::uintmax_t most) {

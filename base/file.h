@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace foci {
@@ -21,6 +22,12 @@ void replaceFile(const std::filesystem::path& path, const std::string& bytes);
 
 /// Writes `text` directly to a file. @throws std::runtime_error if not all of it could be written
 void writeText(const std::filesystem::path& path, const std::string& text);
+
+/// The user's folder for one kind of file, by the XDG Base Directory Specification.
+/// @param variable  that names it, such as "XDG_CACHE_HOME"
+/// @param in_home   where it is without that variable, such as ".cache"
+/// @return none where the variable and HOME are not set
+std::optional<std::filesystem::path> userFolder(const char* variable, const char* in_home);
 
 /// @throws InputError if it is no regular file, cannot be read, or has more than `most` bytes
 std::string bytesOfFile(const std::filesystem::path& file, std::uintmax_t most);

@@ -21,13 +21,16 @@ struct CompareOptions {
 };
 
 void runCompare(const CompareOptions& options) {
-  if (options.runs.size() < 2) {
-    throw InputError("foci compare", "expected two or more folders of runs");
+  std::vector<std::filesystem::path> folders, inputs;
+  for (const std::string& named : options.runs) {
+    for (std::filesystem::path& run : runFolders(named)) folders.push_back(std::move(run));
   }
-  std::vector<std::filesystem::path> folders(options.runs.begin(), options.runs.end());
-  std::vector<std::filesystem::path> inputs;
+  if (folders.size() < 2) {
+    throw InputError("foci compare", "expected two or more folders of runs, or that of a batch");
+  }
   for (const std::filesystem::path& folder : folders) {
-    for (const char* name : {"frames.tsv", "fixations.tsv", "objects.tsv", "video.mp4"}) {
+    for (const char* name : {"frames.tsv", "fixations.tsv", "saccades.tsv", "objects.tsv",
+                             "video.mp4", "manifest.json"}) {
       inputs.push_back(folder / name);
     }
   }
@@ -43,11 +46,13 @@ void addCompareCommand(CLI::App& app) {
   const auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       app.add_subcommand("compare",
-                         "Compare runs: blur, focus, dwell times and images side by side.\n"
+                         "Compare runs of settings or of observers: fixations, blur, dwell "
+                         "times, overlap of gaze and images side by side.\n"
                          "Example: foci compare out/old out/young --out out/both");
   command
       ->add_option("RUNS", options->runs,
-                   "folders that foci replay wrote; the others are compared with the first")
+                   "folders that foci replay wrote, of runs or of batches; the others are "
+                   "compared with the first")
       ->type_name("DIR")
       ->required();
   command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -101,37 +100,20 @@ Json trackersJson(const std::string& place) {
 #endif
 }
 
-/// Whether this program came with the Debian package `foci`. Debian then has installed all that it
-/// needs, and nothing that only a build needs is missing.
-bool cameWithPackage() {
-  const std::string program = programFile().string();
-  std::ifstream files("/var/lib/dpkg/info/foci.list");
-  for (std::string file; std::getline(files, file);) {
-    if (file == program) return true;
-  }
-  return false;
-}
-
 /// The packages of packages.txt that Debian does not list as installed.
 Json packagesJson() {
   Json json = {{"missing", Json::array()}, {"install", nullptr}};
   if (cameWithPackage()) return json;
-  std::ifstream status("/var/lib/dpkg/status");
-  if (!status) {
+  const auto installed = installedPackages();
+  if (!installed) {
     json["problem"] =
         "no Debian packages here: app/packages.txt lists the packages that foci needs";
     return json;
   }
-  std::vector<std::string> installed;
-  std::string name;
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("Package: ")) name = line.substr(9);
-    if (line == "Status: install ok installed") installed.push_back(name);
-  }
   std::istringstream wanted(FOCI_PACKAGES);
   std::string command;
-  while (wanted >> name) {
-    if (std::find(installed.begin(), installed.end(), name) != installed.end()) continue;
+  for (std::string name; wanted >> name;) {
+    if (std::ranges::find(*installed, name) != installed->end()) continue;
     json["missing"].push_back(name);
     command += " " + name;
   }

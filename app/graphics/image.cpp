@@ -15,10 +15,23 @@ cv::Mat matOf(const Image& image) {
   return {image.size_px.y, image.size_px.x, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data())};
 }
 
+double markerRadius_px(const Image& image) { return std::max(10.0, image.size_px.y / 36.0); }
+
+/// Of the bright ring. The black one under it is a pixel wider than twice this.
+int markerWidth_px(const Image& image) { return std::max(2, image.size_px.y / 360); }
+
 }  // namespace
 
 Image imageOf(const Frame& frame, std::optional<double> gamma) {
   return {.size_px = frame.size_px, .rgb = codesOf(frame, gamma)};
+}
+
+void eraseMarker(Image& image, const glm::dvec2& point_px) {
+  cv::Mat canvas = matOf(image);
+  constexpr int kSoftened_px = 3;  // by the video's compression and by smooth edges
+  cv::circle(canvas, cv::Point(glm::ivec2(point_px).x, glm::ivec2(point_px).y),
+             static_cast<int>(std::lround(markerRadius_px(image))), cv::Scalar(0, 0, 0),
+             2 * markerWidth_px(image) + 1 + 2 * kSoftened_px);
 }
 
 void drawMarker(Image& image, const glm::dvec2& point_px, bool broken) {
@@ -28,8 +41,8 @@ void drawMarker(Image& image, const glm::dvec2& point_px, bool broken) {
     return;
   }
   cv::Mat canvas = matOf(image);
-  const double radius_px = std::max(10.0, size_px.y / 36.0);
-  const int width_px = std::max(2, static_cast<int>(size_px.y / 360.0));
+  const double radius_px = markerRadius_px(image);
+  const int width_px = markerWidth_px(image);
   constexpr int kShift = 4;  // OpenCV takes sixteenths of a pixel; pixel centres lie at +0.5
   const auto fixed = [](double px) { return static_cast<int>(std::lround(px * (1 << kShift))); };
   const cv::Point centre(fixed(point_px.x - 0.5), fixed(point_px.y - 0.5));

@@ -20,6 +20,9 @@ Image imageOf(const Frame& frame, std::optional<double> gamma = std::nullopt);
 /// @param broken  draws a broken ring: the observer does not fixate now
 void drawMarker(Image& image, const glm::dvec2& point_px, bool broken);
 
+/// Makes black all that `drawMarker` may have drawn.
+void eraseMarker(Image& image, const glm::dvec2& point_px);
+
 /// A smaller copy, `width_px` wide, of the same shape.
 Image thumbnail(const Image& image, int width_px);
 

@@ -49,6 +49,27 @@ fs::path programFile() {
   return fs::read_symlink("/proc/self/exe", unknown);
 }
 
+bool cameWithPackage() {
+  const std::string program = programFile().string();
+  std::ifstream files("/var/lib/dpkg/info/foci.list");
+  for (std::string file; std::getline(files, file);) {
+    if (file == program) return true;
+  }
+  return false;
+}
+
+std::optional<std::vector<std::string>> installedPackages() {
+  std::ifstream status("/var/lib/dpkg/status");
+  if (!status) return std::nullopt;
+  std::vector<std::string> installed;
+  std::string name;
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("Package: ")) name = line.substr(9);
+    if (line == "Status: install ok installed") installed.push_back(name);
+  }
+  return installed;
+}
+
 std::vector<Camera> cameras() {
   std::error_code none;
   std::vector<fs::path> nodes;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,13 @@ Machine describeMachine();
 
 /// The file of this program; empty if the system does not state it.
 std::filesystem::path programFile();
+
+/// Whether this program came with the Debian package `foci`. Debian then has installed all that it
+/// needs, and nothing that only a build needs is missing.
+bool cameWithPackage();
+
+/// The packages that Debian lists as installed; none on a system without that list.
+std::optional<std::vector<std::string>> installedPackages();
 
 struct Camera {
   std::string device;    ///< "/dev/video0"

@@ -1,4 +1,5 @@
-// Two or more runs side by side: one page and one table.
+// Two or more runs side by side, of one observer with several settings or of several observers:
+// one page and one table.
 #pragma once
 
 #include <cstddef>
@@ -16,31 +17,40 @@ namespace foci {
 /// A run's folder, read back.
 struct ComparedRun {
   std::filesystem::path folder;
-  std::string name;  ///< the folder's
-  std::size_t fixations = 0;
-  std::vector<RunFrame> frames = {};           ///< times after the first frame
+  std::string name;   ///< the folder's, with as many of its parents as tell the runs apart
+  std::string scene;  ///< runs of one scene have the same
+  std::vector<RunFrame> frames = {};  ///< times after the first frame
+  std::vector<RunFixation> fixations = {};
+  std::optional<double> median_saccade_deg{};  ///< amplitude
   std::map<std::string, double> dwell_s = {};  ///< by object
-  std::vector<Image> pictures = {};            ///< of the video, at `kPictures` equal steps
+  /// Of the video, at `kPictures` equal steps, and where the gaze marker is in them, image px.
+  std::vector<Image> pictures = {};
+  std::vector<std::optional<glm::dvec2>> markers_px = {};
 
   /// The last frame lasts as long as the others do on average. 0 for a single frame.
   double duration_s() const;
-  double meanFocus_D() const;
-  double meanPupil_mm() const;
-  /// Diameter of the blur disc of what is looked at, arcmin: mean of pupil times defocus. Absent
-  /// if no surface was looked at.
-  std::optional<double> meanBlur_arcmin() const;
 };
 
 inline constexpr std::size_t kPictures = 6;
 
-/// @throws InputError if the folder is not that of a replay
-ComparedRun readRun(const std::filesystem::path& folder);
+/// The runs of a folder: itself, or those of its batch.
+std::vector<std::filesystem::path> runFolders(const std::filesystem::path& folder);
+
+/// How much two observers looked at the same places of the scene, from 0 to 1 (the same): the
+/// kernel correlation (Tsin and Kanade 2004), sum_ab g(a, b) over the root of the same sums within
+/// each run. g is the integral of the product of two Gaussians on a surface, one about the point of
+/// fixation a and one about that of b, weighted by the durations. The sigma of each is 1 deg, seen
+/// from the eye. Nothing for different scenes, or if a run has no fixation on a surface.
+std::optional<double> gazeOverlap(const ComparedRun& a, const ComparedRun& b);
+
+/// The difference of two pictures, times `kDifferenceGain`, without the rings that mark gaze.
+Image pictureDifference(const ComparedRun& a, const ComparedRun& b, std::size_t picture);
 
 /// compare.tsv: one row for each run.
 std::string compareTable(const std::vector<ComparedRun>& runs);
 
-/// compare.html: figures, dwell times, focus over time, and pictures with their difference from
-/// those of the first run.
+/// compare.html: figures, dwell times, overlap of gaze, focus over time, and pictures with their
+/// difference from those of the first run.
 std::string comparePage(const std::vector<ComparedRun>& runs);
 
 /// Files of a comparison in `out`.

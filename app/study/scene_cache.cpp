@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <exception>
 #include <random>
 #include <string>
@@ -14,6 +13,7 @@
 #include "app/platform/machine.h"
 #include "app/platform/sha256.h"
 #include "app/platform/version.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "render/lod/moment_tree.h"
@@ -147,11 +147,8 @@ SceneCache::SceneCache(fs::path folder, const Limits& limits)
     : folder_(std::move(folder)), limits_(limits) {}
 
 std::optional<fs::path> SceneCache::userFolder() {
-  const char* const cache = std::getenv("XDG_CACHE_HOME");
-  const char* const home = std::getenv("HOME");
-  if (cache != nullptr && *cache != 0) return fs::path(cache) / "foci" / "scenes";
-  if (home == nullptr || *home == 0) return std::nullopt;
-  return fs::path(home) / ".cache" / "foci" / "scenes";
+  const auto cache = foci::userFolder("XDG_CACHE_HOME", ".cache");
+  return cache ? std::optional(*cache / "foci" / "scenes") : std::nullopt;
 }
 
 SurfelCloud SceneCache::surfelsOf(const SurfelSource& source,

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/parallel.h"
 
@@ -140,12 +140,7 @@ FaceNetworks::~FaceNetworks() = default;
 FaceNetworks::FaceNetworks(FaceNetworks&& other) noexcept = default;
 
 std::filesystem::path FaceNetworks::folder() {
-  const char* const data = std::getenv("XDG_DATA_HOME");
-  const char* const home = std::getenv("HOME");
-  const std::filesystem::path root =
-      data && *data ? std::filesystem::path(data)
-                    : std::filesystem::path(home ? home : "") / ".local" / "share";
-  return root / "foci" / "webcam";
+  return userFolder("XDG_DATA_HOME", ".local/share").value_or(".local/share") / "foci" / "webcam";
 }
 
 std::vector<std::string> FaceNetworks::missing() {

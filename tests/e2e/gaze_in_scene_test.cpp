@@ -412,11 +412,40 @@ TEST_F(GazeInScene, ComparedRunsShowBlurDwellTimesAndDifferences) {
     if (column.starts_with("dwell_s ")) dwell_s -= std::stod(value);
   }
   EXPECT_NEAR(dwell_s, 0.0, 1e-6);
-  EXPECT_NE(folder.read("both/compare.html").find("run6, difference"), std::string::npos);
+  EXPECT_NE(folder.read("both/compare.html").find("difference of run6 from run3"),
+            std::string::npos);
   EXPECT_EQ(runFoci({"compare", "run3", "--out", "one"}, folder.path()).exit_code, 2);
   const Outcome none = runFoci({"compare", "run3", "nowhere", "--out", "one"}, folder.path());
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.err.find("nowhere"), std::string::npos) << none.err;
+}
+
+TEST_F(GazeInScene, ComparesTheObserversOfABatch) {
+  simulate();
+  folder.write("study.toml", study(kPoints));
+  folder.write("copy.tsv", folder.read("trace.tsv"));
+  ASSERT_EQ(runFoci({"replay", "study.toml", "--trace", "trace.tsv", "copy.tsv", "--out", "batch"},
+                    folder.path())
+                .exit_code,
+            0);
+  const Outcome outcome = runFoci({"compare", "batch", "--out", "c"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<Row> runs = table("c/compare.tsv");
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].at("run"), "batch/copy");
+  EXPECT_EQ(runs[0].at("overlap trace"), "1.0000");
+  EXPECT_EQ(runs[0].at("fixations"), runs[1].at("fixations"));
+  const double each_s = std::stod(runs[0].at("mean_fixation_s"));
+  EXPECT_NEAR(
+      each_s * std::stod(runs[0].at("fixations")),
+      [&] {
+        double sum_s = 0.0;
+        for (const Row& row : table("batch/copy/fixations.tsv")) {
+          sum_s += std::stod(row.at("duration_s"));
+        }
+        return sum_s;
+      }(),
+      0.02);
 }
 
 TEST_F(GazeInScene, RefusesAShapeThatIsBothOrNeither) {
