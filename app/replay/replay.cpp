@@ -37,6 +37,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   RunFacts facts{
       .command = command, .threads = threads, .device = {}, .inputs = {}, .heatmap = heatmap};
   ReplayedEye eye(study, gaze, cloud, warnings);
+  eye.requireSceneInView(cloud);
   InputHashes hashes(study, scene.hashed);
   if (const std::string remark = eyeRemark(study); !remark.empty()) warnings.add(remark);
 

@@ -1,6 +1,7 @@
 #include "app/replay/replayed_eye.h"
 
 #include "app/session/auto_method.h"
+#include "app/study/recorded_head.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 
@@ -44,6 +45,23 @@ void ReplayedEye::lookAtSkippedFrames() {
       session_.render(schedule.recorded[i].method, record);
     }
   }
+}
+
+void ReplayedEye::requireSceneInView(const SurfelCloud& cloud) const {
+  constexpr std::size_t kMoments = 100, kPoints = 20'000;
+  if (!recordsHead(study_)) return;
+  const std::span<const glm::vec3> all_m = positionsOf(cloud);
+  std::vector<glm::vec3> points_m;
+  for (std::size_t i = 0; i < all_m.size(); i += 1 + all_m.size() / kPoints) {
+    points_m.push_back(all_m[i]);
+  }
+  const std::size_t frames = gaze_.schedule.frames;
+  for (std::size_t i = 0; i < frames; i += 1 + frames / kMoments) {
+    if (session_.isInView(gaze_.schedule.time_s(i), points_m)) return;
+  }
+  throw InputError(study_.gaze.source,
+                   "the recorded head never has the scene in view: expected a recording made in "
+                   "this scene; state scene.scale_m, gaze.scene_rotation and gaze.scene_offset_m");
 }
 
 const Frame& ReplayedEye::see(std::size_t frame, SeenFrame& seen) {

@@ -42,6 +42,10 @@ class ReplayedEye {
   /// they took, or on their pixels
   void requireParts(std::size_t frame) const;
 
+  /// @throws InputError if the head of a recording never has the scene in view, before minutes of
+  /// an empty video
+  void requireSceneInView(const SurfelCloud& cloud) const;
+
   /// Says what renders, and warns if a live run's record began on another device.
   void sayDevice();
   /// After the frames: warns if the CPU rendered where the GPU was to.

@@ -132,6 +132,18 @@ std::vector<EyeView> Session::viewsAt(double time_s) const {
                   settings_.screen.distance_m);
 }
 
+bool Session::isInView(double time_s, std::span<const glm::vec3> points_m) const {
+  return std::ranges::any_of(viewsAt(time_s), [&](const EyeView& eye) {
+    return std::ranges::any_of(points_m, [&](const glm::vec3& point_m) {
+      const glm::vec3 p_eye(eye.view.eye_from_world * glm::vec4(point_m, 1.0f));
+      if (-p_eye.z < eye.view.near_m) return false;
+      const glm::vec2 at_px = project(eye.view, p_eye);
+      return glm::all(glm::greaterThanEqual(at_px, glm::vec2(0.0f))) &&
+             glm::all(glm::lessThan(at_px, glm::vec2(eye.view.size_px)));
+    });
+  });
+}
+
 std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                                double half_angle_rad) const {
   const glm::dmat4 world_from_eye =

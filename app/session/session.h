@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -106,6 +107,9 @@ class Session {
 
   /// Where the observer looks in the image: a point for each view in it.
   std::vector<glm::dvec2> gazePoints_px(const FrameRecord& record) const;
+
+  /// Whether a view of that time has any of the points in its image.
+  bool isInView(double time_s, std::span<const glm::vec3> points_m) const;
 
   const SessionSettings& settings() const { return settings_; }
 

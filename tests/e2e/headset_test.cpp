@@ -144,6 +144,25 @@ TEST(ReplayOfAHeadset, GazeMeetsThePointInTheSceneWhileTheHeadMoves) {
   }
 }
 
+TEST(ReplayOfAHeadset, StopsBeforeAnEmptyVideo) {
+  TemporaryFolder folder;
+  folder.write("scene.ply", squarePly(24, 1.0));
+  folder.write("trace.csv", turningHead());
+  folder.write("study.toml", kUnityStudy);
+  const auto at = [&](const std::string& offset_m) {
+    return runFoci({"replay", "study.toml", "--size", "32x32", "--seconds", "0:0.2", "--out", "out",
+                    "--set", "gaze.scene_offset_m=" + offset_m},
+                   folder.path());
+  };
+  // The square is 2 m wide and 1 m ahead; the headset sees 50 deg to each side.
+  EXPECT_EQ(at("[0, 0, 0.5]").exit_code, 0);
+  const Outcome behind = at("[0, 0, -5]");
+  EXPECT_EQ(behind.exit_code, 2) << behind.err;
+  EXPECT_NE(behind.err.find("trace.csv: the recorded head never has the scene in view"),
+            std::string::npos)
+      << behind.err;
+}
+
 TEST(ReplayOfAHeadset, RefusesASecondPlaceForTheEye) {
   TemporaryFolder folder;
   folder.write("scene.ply", squarePly(24, 1.0));
