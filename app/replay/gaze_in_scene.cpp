@@ -255,7 +255,10 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
   std::vector<std::size_t> source;
   found.samples = samplesOf(gaze, judged.states, source);
   const Looker looker(study, gaze, cloud);
-  if (attention) found.attention_s.assign(cloud.size(), 0.0);
+  if (attention) {
+    found.attention_s.assign(positionsOf(cloud).size(), 0.0);
+    found.heat_s_per_m2 = found.attention_s;
+  }
   std::optional<Progress> progress;
   if (source.size() >= kLong) progress.emplace("following the gaze", "samples", source.size());
   // In blocks, so that the order of sums does not depend on the number of threads.
@@ -270,7 +273,9 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
     });
     for (std::size_t i = 0; attention && i < some; ++i) {
       for (const SurfelShare& each : surfaces[i]) {
-        found.attention_s[each.surfel] += each.share * found.samples[first + i].lasts_s;
+        const double lasts_s = found.samples[first + i].lasts_s;
+        found.attention_s[each.surfel] += each.share * lasts_s;
+        found.heat_s_per_m2[each.surfel] += each.per_m2 * lasts_s;
       }
     }
     if (progress) progress->advance(first + some);

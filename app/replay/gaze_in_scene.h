@@ -57,8 +57,9 @@ struct ObjectLooks {
 struct GazeInScene {
   std::vector<SightSample> samples;
   std::vector<SightFixation> fixations;
-  std::vector<ObjectLooks> objects;      ///< by number; [0] is what is on no object
-  std::vector<double> attention_s = {};  ///< by surfel: time of gaze; empty unless asked for
+  std::vector<ObjectLooks> objects;  ///< by number; [0] is what is on no object
+  /// By surfel or Gaussian: time of gaze, and that per area. Empty unless asked for.
+  std::vector<double> attention_s = {}, heat_s_per_m2 = {};
   glm::dvec3 up{0.0, 1.0,
                 0.0};  ///< of the scene, unit: the study's, or the mean of a recorded head's
 };
@@ -72,7 +73,7 @@ std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSamp
 /// eye that change during the run move it.
 /// @param judged     of the run. Where the recording has a head, pursuit that rests on a point of
 ///                   the scene becomes fixation (`fixateRestingPoints`)
-/// @param attention  whether to share the time of each sample among the surfels that it meets
+/// @param attention  whether to share the time of each sample among what it meets
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
                           RunEvents& judged, bool attention);
 

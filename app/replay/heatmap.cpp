@@ -4,13 +4,16 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <memory>
 #include <numeric>
+#include <span>
 
 #include "app/graphics/image.h"
 #include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/methods/method.h"
 #include "render/optics/view.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/io/ply.h"
 
 namespace foci {
@@ -22,21 +25,22 @@ constexpr float kShading = 0.6f;    // shows the form of plain surfaces
 constexpr double kExceeded = 0.01;  // share of the time beyond the end of the scale
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);  // of the sRGB primaries
 
+glm::vec3 linearOf(const glm::vec3& code) {
+  return {linearFromSrgb(code.x), linearFromSrgb(code.y), linearFromSrgb(code.z)};
+}
+
 /// Attention per area at the end of the scale.
-double scaleOf(const SurfelCloud& cloud, const std::vector<double>& attention_s) {
+double scaleOf(const std::vector<double>& attention_s, const std::vector<double>& heat_s_per_m2) {
   std::vector<std::size_t> order(attention_s.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto density = [&](std::size_t i) {
-    return attention_s[i] / static_cast<double>(cloud.area_m2[i]);
-  };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return density(a) > density(b) || (density(a) == density(b) && a < b);
+    return heat_s_per_m2[a] > heat_s_per_m2[b] || (heat_s_per_m2[a] == heat_s_per_m2[b] && a < b);
   });
   const double all_s = std::accumulate(attention_s.begin(), attention_s.end(), 0.0);
   double sum_s = 0.0;
   for (const std::size_t i : order) {
     sum_s += attention_s[i];
-    if (sum_s >= kExceeded * all_s) return density(i);
+    if (sum_s >= kExceeded * all_s) return heat_s_per_m2[i];
   }
   return 0.0;
 }
@@ -58,18 +62,28 @@ HeatPicture pictureFrom(Method& method, const glm::dvec3& eye_m, const glm::dvec
 
 }  // namespace
 
-HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s,
-                  ColorMap colors) {
-  HeatMap map{.cloud = cloud, .most_s_per_m2 = scaleOf(cloud, attention_s)};
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float grey = kDim * glm::dot(kLuminance, glm::min(cloud.color[i], glm::vec3(1.0f)));
-    const double density = attention_s[i] / static_cast<double>(cloud.area_m2[i]);
+HeatMap heatMapOf(const SurfelCloud& cloud, const GazeInScene& gaze, ColorMap colors) {
+  HeatMap map{.cloud = cloud, .most_s_per_m2 = scaleOf(gaze.attention_s, gaze.heat_s_per_m2)};
+  const auto codeOf = [&](std::size_t i, const glm::vec3& linear) {
+    const float grey = kDim * glm::dot(kLuminance, glm::clamp(linear, 0.0f, 1.0f));
     const bool scaled = map.most_s_per_m2 > 0.0;
-    const auto share =
-        scaled ? static_cast<float>(std::min(density / map.most_s_per_m2, 1.0)) : 0.0f;
-    const glm::vec3 code = heatAt(colors, share, srgbFromLinear(grey));
-    for (int c = 0; c < 3; ++c) map.cloud.color[i][c] = linearFromSrgb(code[c]);
+    const double share = scaled ? gaze.heat_s_per_m2[i] / map.most_s_per_m2 : 0.0;
+    return heatAt(colors, static_cast<float>(std::min(share, 1.0)), srgbFromLinear(grey));
+  };
+  if (!cloud.gaussians) {
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      map.cloud.color[i] = linearOf(codeOf(i, cloud.color[i]));
+    }
+    return map;
   }
+  GaussianCloud heated = *cloud.gaussians;
+  heated.degree = 0;
+  heated.tree.reset();
+  heated.harmonics.clear();
+  for (std::size_t i = 0; i < heated.size(); ++i) {
+    heated.color[i] = codeOf(i, linearOf(glm::clamp(heated.color[i], 0.0f, 1.0f)));
+  }
+  map.cloud.gaussians = std::make_shared<const GaussianCloud>(std::move(heated));
   return map;
 }
 
@@ -113,8 +127,12 @@ std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene
 void writeHeatPly(const std::filesystem::path& file, const SurfelCloud& heat,
                   const std::vector<double>& attention_s) {
   PointCloud points;
-  points.position_m.assign(heat.position_m.begin(), heat.position_m.end());
+  const std::span<const glm::vec3> all_m = positionsOf(heat);
+  points.position_m.assign(all_m.begin(), all_m.end());
   points.color.assign(heat.color.begin(), heat.color.end());
+  for (std::size_t i = 0; heat.gaussians && i < all_m.size(); ++i) {
+    points.color.push_back(linearOf(heat.gaussians->color[i]));
+  }
   points.normal.resize(heat.size());
   for (std::size_t i = 0; i < heat.size(); ++i) {
     points.normal[i] = glm::normalize(

@@ -1,4 +1,4 @@
-// The heatmap of a run: how long gaze rested on each surfel of the scene.
+// The heatmap of a run: how long gaze rested on each surfel, or Gaussian, of the scene.
 #pragma once
 
 #include <filesystem>
@@ -19,14 +19,14 @@ struct HeatPicture {
 };
 
 struct HeatMap {
-  /// The scene in dim grey, with attention in the colours of `heatAt`.
+  /// The scene in dim grey, with attention in the colours of `heatAt`. Gaussians have no tree.
   SurfelCloud cloud;
   /// Attention per area at the end of the scale, which 1 % of the time exceeds; 0: there is none.
   double most_s_per_m2 = 0.0;
 };
 
-/// @param attention_s  by surfel
-HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s,
+/// @param gaze  with attention
+HeatMap heatMapOf(const SurfelCloud& cloud, const GazeInScene& gaze,
                   ColorMap colors = ColorMap::inferno);
 
 /// The scale of colours with its unit, as HTML.
@@ -37,7 +37,8 @@ std::string heatBarHtml(double most_s_per_m2);
 std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze,
                                       const glm::ivec2& size_px = {720, 480});
 
-/// A PLY of the surfels: position, normal, colour of `heat`, and `attention_s`, seconds.
+/// A PLY of the surfels or Gaussians: position, normal of a surfel, colour of `heat`, and
+/// `attention_s`, seconds.
 /// @throws std::runtime_error
 void writeHeatPly(const std::filesystem::path& file, const SurfelCloud& heat,
                   const std::vector<double>& attention_s);

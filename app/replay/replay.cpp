@@ -9,7 +9,6 @@
 #include "app/replay/replayed_eye.h"
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
-#include "base/input_error.h"
 #include "base/parallel.h"
 
 namespace foci {
@@ -31,9 +30,6 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   const ReplayedGaze gaze = readReplayedGaze(asked, warnings);
   const Study& study = gaze.study;
   const SurfelCloud& cloud = scene.of(study, warnings);
-  if (heatmap && cloud.empty()) {
-    throw InputError("--heatmap", "expected a scene of surfaces: this one has no surfels");
-  }
   RunFacts facts{
       .command = command, .threads = threads, .device = {}, .inputs = {}, .heatmap = heatmap};
   ReplayedEye eye(study, gaze, cloud, warnings);

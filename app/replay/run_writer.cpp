@@ -163,7 +163,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
   facts.objects = in_scene.objects;
   facts.quality = judged.quality;
   if (run.heatmap) {
-    const HeatMap heat = heatMapOf(cloud_, in_scene.attention_s);
+    const HeatMap heat = heatMapOf(cloud_, in_scene);
     facts.heat = heatPictures(heat.cloud, in_scene);
     facts.most_heat_s_per_m2 = heat.most_s_per_m2;
     folder_.files().write(*run.heatmap, [&](const std::filesystem::path& to) {

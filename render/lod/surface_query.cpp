@@ -70,6 +70,18 @@ struct Share {
   double coverage;
 };
 
+/// `SurfelShare::per_m2` of a Gaussian.
+double outlinePer_m2(const ConeFrame& cone, const GaussianInCone& gaussian) {
+  const double window = 0.25 * static_cast<double>(cone.radius * cone.radius);
+  const double xx = static_cast<double>(gaussian.xx) + window,
+               xy = static_cast<double>(gaussian.xy),
+               yy = static_cast<double>(gaussian.yy) + window, det = xx * yy - xy * xy;
+  const glm::dvec2 m(gaussian.middle);
+  const double squared = (yy * m.x * m.x - 2.0 * xy * m.x * m.y + xx * m.y * m.y) / det;
+  const double depth_m = static_cast<double>(gaussian.near_m);
+  return std::exp(-0.5 * squared) / (glm::two_pi<double>() * std::sqrt(det) * depth_m * depth_m);
+}
+
 struct Cone : ConeFrame {
   float cos_half, sin_half;
 
@@ -259,18 +271,26 @@ struct SurfaceQuery::Impl {
   }
 
   /// Where the opacity of what lies in front reaches `needed`.
-  std::optional<double> distanceToGaussians(const Cone& cone, double needed) const {
+  /// @param surface  gets the Gaussians up to full coverage, with what each adds to the opacity;
+  ///                 null: not wanted
+  std::optional<double> distanceToGaussians(const Cone& cone, double needed,
+                                            std::vector<SurfelShare>* surface) const {
     ConeOpacity opacity(cone.radius);
     std::optional<double> distance_m;
+    double before = 0.0;
     const auto meet = [&](std::size_t i) {
       return gaussianInCone(cone, *cloud.gaussians, i, kNearest_m);
     };
     walk<GaussianInCone>(cone, meet, [&](const Visit& visit, const GaussianInCone* gaussian) {
       if (!gaussian) return true;
       opacity.add(*gaussian);
-      if (opacity.mean() < needed) return true;
-      distance_m = static_cast<double>(visit.near_m);
-      return false;
+      const double after = opacity.mean();
+      if (surface && after > before) {
+        surface->push_back({visit.id, after - before, outlinePer_m2(cone, *gaussian)});
+      }
+      before = after;
+      if (!distance_m && after >= needed) distance_m = static_cast<double>(visit.near_m);
+      return after < (surface ? kFullCoverage : needed);
     });
     return distance_m;
   }
@@ -294,23 +314,20 @@ std::optional<double> SurfaceQuery::distance(const glm::dvec3& origin_m,
   assert(coverage > 0.0 && coverage <= 1.0);
   const Cone cone(origin_m, direction, half_angle_rad);
   const double needed = std::min(coverage, kFullCoverage);
-  return impl_->cloud.gaussians ? impl_->distanceToGaussians(cone, needed)
+  return impl_->cloud.gaussians ? impl_->distanceToGaussians(cone, needed, nullptr)
                                 : impl_->distanceToSurfels(cone, needed, nullptr);
 }
 
 std::optional<SurfaceHit> SurfaceQuery::hit(const glm::dvec3& origin_m, const glm::dvec3& direction,
                                             double half_angle_rad, double coverage) const {
   const SurfelCloud& cloud = impl_->cloud;
+  assert(half_angle_rad > 0.0 && half_angle_rad < glm::quarter_pi<double>());
+  assert(coverage > 0.0 && coverage <= 1.0);
+  const Cone cone(origin_m, direction, half_angle_rad);
+  const double needed = std::min(coverage, kFullCoverage);
   SurfaceHit hit;
-  std::optional<double> distance_m;
-  if (cloud.gaussians) {
-    distance_m = distance(origin_m, direction, half_angle_rad, coverage);
-  } else {
-    assert(half_angle_rad > 0.0 && half_angle_rad < glm::quarter_pi<double>());
-    assert(coverage > 0.0 && coverage <= 1.0);
-    distance_m = impl_->distanceToSurfels(Cone(origin_m, direction, half_angle_rad),
-                                          std::min(coverage, kFullCoverage), &hit.surfels);
-  }
+  const auto distance_m = cloud.gaussians ? impl_->distanceToGaussians(cone, needed, &hit.surfels)
+                                          : impl_->distanceToSurfels(cone, needed, &hit.surfels);
   if (!distance_m) return std::nullopt;
   hit.distance_m = *distance_m;
   std::sort(hit.surfels.begin(), hit.surfels.end(),
@@ -320,6 +337,8 @@ std::optional<SurfaceHit> SurfaceQuery::hit(const glm::dvec3& origin_m, const gl
   glm::dvec3 normal(0.0);
   for (SurfelShare& each : hit.surfels) {
     each.share /= sum;
+    if (cloud.gaussians) continue;
+    each.per_m2 = each.share / static_cast<double>(cloud.area_m2[each.surfel]);
     const glm::dvec3 own = glm::normalize(glm::cross(glm::dvec3(cloud.axis_u_m[each.surfel]),
                                                      glm::dvec3(cloud.axis_v_m[each.surfel])));
     normal += (glm::dot(own, direction) > 0.0 ? -each.share : each.share) * own;

@@ -11,17 +11,21 @@
 
 namespace foci {
 
-/// A surfel's share of the surface that a cone meets; the shares sum to one.
+/// The share of a surfel, or of a Gaussian, in what a cone meets; the shares sum to one.
 struct SurfelShare {
-  std::uint32_t surfel;
+  std::uint32_t surfel;  ///< or Gaussian: its number
   double share;
+  /// Of the cone, on an area of the surfel: its share by its area. Of a Gaussian, whose neighbours
+  /// overlap it: its outline as the renderer projects it, normalised to one and convolved with the
+  /// cone's disc, at the cone's middle.
+  double per_m2 = 0.0;
 };
 
 /// What a cone meets first.
 struct SurfaceHit {
   double distance_m = 0.0;             ///< `SurfaceQuery::distance`
   glm::dvec3 normal{0.0};              ///< unit, towards the cone's origin; 0 for Gaussians
-  std::vector<SurfelShare> surfels{};  ///< by number; empty for Gaussians
+  std::vector<SurfelShare> surfels{};  ///< by number
 };
 
 /// Answers queries against a fixed cloud, which must outlive it. Thread-safe once built.
@@ -43,7 +47,8 @@ class SurfaceQuery {
   ///
   /// In a scene of Gaussians, the distance is where the opacity of all that lies in front reaches
   /// `coverage`, averaged over rays through the cone. So fainter floaters do not catch the focus. A
-  /// Gaussian lies where its density along the ray is largest (gaussian_in_cone.h).
+  /// Gaussian lies where its density along the ray is largest (gaussian_in_cone.h). What the cone
+  /// meets are the Gaussians up to full coverage, by what each adds to the opacity.
   ///
   /// The depth range of a surfel is two standard deviations along the ray to either side, and at
   /// least one sigma (its longer axis). Ranges that overlap form one surface. A surfel whose range

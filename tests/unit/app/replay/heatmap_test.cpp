@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <glm/glm.hpp>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
 #include "render/lod/moment_tree.h"
+#include "render/lod/surface_query.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -40,6 +43,7 @@ struct Looked {
     for (const glm::vec3& p : positionsOf(cloud)) {
       const bool on_pole = std::abs(glm::dot(p, right)) < 0.1f && std::abs(glm::dot(p, up)) < 0.6f;
       gaze.attention_s.push_back(on_pole ? 0.01 : 0.0);
+      gaze.heat_s_per_m2.push_back(gaze.attention_s.back() / (0.03 * 0.03));
     }
     gaze.samples = {{.lasts_s = 1.0,
                      .valid = true,
@@ -70,7 +74,7 @@ TEST(HeatPictures, ShowTheHeatUpright) {
       {{0.0f, 0.0f, -1.0f}, {0.0f, 1.0f, 0.0f}}, {{0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}}};
   for (const auto& [towards, up] : views) {
     const Looked looked(towards, up);
-    const HeatMap map = heatMapOf(looked.cloud, looked.gaze.attention_s);
+    const HeatMap map = heatMapOf(looked.cloud, looked.gaze);
     const auto pictures = heatPictures(map.cloud, looked.gaze);
     ASSERT_EQ(pictures.size(), 2u);
     for (const HeatPicture& picture : pictures) {
@@ -81,9 +85,58 @@ TEST(HeatPictures, ShowTheHeatUpright) {
   }
 }
 
+/// What a cone of 0.02 rad meets first.
+std::vector<SurfelShare> lookedAt(const SurfelCloud& scene, const glm::dvec3& towards) {
+  const auto hit = SurfaceQuery(scene).hit(glm::dvec3(0.0), glm::normalize(towards), 0.02, 0.5);
+  return hit ? hit->surfels : std::vector<SurfelShare>{};
+}
+
+TEST(HeatMap, OfGaussiansHasTheTimeOfGazeAndItsDensity) {
+  // A wall 3 m away whose Gaussians are as wide as their spacing, so that several overlap.
+  constexpr float kSpacing_m = 0.01f;
+  GaussianCloud wall;
+  for (int x = -60; x <= 60; ++x) {
+    for (int y = -60; y <= 60; ++y) {
+      wall.position_m.emplace_back(kSpacing_m * static_cast<float>(x),
+                                   kSpacing_m * static_cast<float>(y), -3.0f);
+      wall.covariance_m2.push_back(covarianceOf({0.01f, 0.01f, 0.001f}, {0.0f, 0.0f, 0.0f, 1.0f}));
+      wall.opacity.push_back(0.6f);
+      wall.color.emplace_back(0.5f);
+    }
+  }
+  SurfelCloud scene;
+  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(wall));
+  GazeInScene gaze;
+  gaze.attention_s.assign(scene.gaussians->size(), 0.0);
+  gaze.heat_s_per_m2 = gaze.attention_s;
+  // Gaze rests for 1 s on each of 21 x 21 places, a centimetre apart.
+  double shares = 0.0;
+  for (int x = -10; x <= 10; ++x) {
+    for (int y = -10; y <= 10; ++y) {
+      for (const SurfelShare& each : lookedAt(scene, {0.01 * x, 0.01 * y, -3.0})) {
+        shares += each.share;
+        gaze.attention_s[each.surfel] += each.share;
+        gaze.heat_s_per_m2[each.surfel] += each.per_m2;
+      }
+    }
+  }
+  EXPECT_NEAR(shares, 21.0 * 21.0, 1e-6);
+  // In the middle it is a second on each square centimetre, however much the Gaussians overlap.
+  const std::size_t middle = 60 * 121 + 60;
+  EXPECT_NEAR(gaze.heat_s_per_m2[middle], 1e4, 0.05e4);
+  EXPECT_NEAR(gaze.attention_s[middle], 1.0, 0.1);
+  EXPECT_EQ(gaze.heat_s_per_m2[0], 0.0);
+
+  const HeatMap map = heatMapOf(scene, gaze);
+  EXPECT_NEAR(map.most_s_per_m2, 1e4, 0.1e4);
+  const std::vector<glm::vec3>& colors = map.cloud.gaussians->color;
+  EXPECT_EQ(colors[0].x, colors[0].y) << "grey where nobody looked";
+  EXPECT_GT(colors[middle].x, colors[middle].z + 0.3f) << "bright yellow";
+}
+
 TEST(HeatMap, StatesItsScaleInSecondsPerSquareMetre) {
   const Looked looked({0.0f, 0.0f, -1.0f}, {0.0f, 1.0f, 0.0f});
-  const HeatMap map = heatMapOf(looked.cloud, looked.gaze.attention_s);
+  const HeatMap map = heatMapOf(looked.cloud, looked.gaze);
   EXPECT_NEAR(map.most_s_per_m2, 0.01 / (0.03 * 0.03), 0.01);
   EXPECT_NE(heatBarHtml(map.most_s_per_m2).find("11.1 s/m&sup2;"), std::string::npos);
 }
