@@ -42,47 +42,118 @@ const auto& orderOf(const AnyTree& tree) {
   }
 }
 
-/// A result set for nanoflann: the k nearest points besides the query itself. Unlike nanoflann's
-/// own it stops as soon as k points coincide with the query. A cloud in one spot would otherwise
-/// take quadratic time.
-class Nearest {
- public:
-  using DistanceType = float;
-  using IndexType = std::uint32_t;
-  /// @param within2  squared distance within which there are k
-  Nearest(std::size_t k, std::uint32_t self, float within2)
-      : k_(k), self_(self), within2_(within2) {}
+template <class AnyTree>
+const auto* rootOf(const AnyTree& tree) {
+  if constexpr (requires { tree.root_node_; }) {
+    return tree.root_node_;
+  } else {
+    return tree.root_node;
+  }
+}
 
-  std::size_t size() const { return count_; }
-  bool full() const { return count_ == k_; }
-  float worstDist() const {
-    if (!full()) return within2_;
-    return furthest2_ > 0.0f ? furthest2_ : -1.0f;
-  }
-  bool addPoint(float distance2, std::uint32_t index) {
-    if (index == self_ || (full() ? distance2 >= furthest2_ : distance2 > within2_)) return true;
-    std::size_t at = full() ? k_ - 1 : count_++;
-    for (; at > 0 && distance2_[at - 1] > distance2; --at) {
-      distance2_[at] = distance2_[at - 1];
-      index_[at] = index_[at - 1];
+constexpr std::uint32_t kLeaf = 12;  // points, at most
+
+/// nanoflann's search of a tree for the k nearest points besides the query, for the points of the
+/// tree themselves. Distances of a whole leaf are taken at once. Of points at equal distances those
+/// come first that the search meets first.
+class NearestSearch {
+ public:
+  NearestSearch(const Tree& tree, std::span<const glm::vec3> position_m, std::size_t k)
+      : tree_(tree), k_(static_cast<std::uint32_t>(k)) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      place_m_[axis].resize(position_m.size() + kLeaf);
+      parallelFor(position_m.size(), [&](std::size_t at) {
+        place_m_[axis][at] = position_m[orderOf(tree)[at]][static_cast<int>(axis)];
+      });
     }
-    distance2_[at] = distance2;
-    index_[at] = index;
-    furthest2_ = distance2_[count_ - 1];
-    return true;
   }
-  void sort() {}  // they are
-  void copyTo(std::uint32_t* index, float& reach_m) const {
-    for (std::size_t i = 0; i < count_; ++i) index[i] = index_[i];
-    reach_m = std::sqrt(furthest2_);
+
+  /// @param at        of the query, in the tree's order
+  /// @param within_m  distance within which there may be k
+  /// @return whether there are
+  bool find(std::size_t at, float within_m, std::uint32_t* index, float& reach_m) const {
+    Met met;
+    met.self = at;
+    met.p_m = {place_m_[0][at], place_m_[1][at], place_m_[2][at]};
+    met.below2 = std::max(within_m * within_m, std::numeric_limits<float>::min());
+    visit(*rootOf(tree_), 0.0f, glm::vec3(0.0f), met);
+    if (met.count < k_) return false;
+    keepNearest(met);
+    for (std::size_t i = 0; i < k_; ++i) index[i] = orderOf(tree_)[met.at[i]];
+    reach_m = std::sqrt(met.distance2[k_ - 1]);
+    return true;
   }
 
  private:
-  std::size_t k_, count_ = 0;
-  std::uint32_t self_;
-  float within2_, furthest2_ = 0.0f;
-  std::array<float, kMaxNeighbours> distance2_{};
-  std::array<std::uint32_t, kMaxNeighbours> index_{};
+  static constexpr std::size_t kMostMet = 2 * kMaxNeighbours + 3 * kLeaf;
+
+  /// The query, and the points near it.
+  struct Met {
+    std::size_t self;
+    glm::vec3 p_m;
+    float below2;  ///< squared distance of the points that count
+    std::uint32_t count = 0;
+    std::array<float, kMostMet> distance2;
+    std::array<std::uint32_t, kMostMet> at;
+  };
+
+  /// @param least2   squared distance of the node
+  /// @param beside2  its parts along the axes
+  template <class Node>
+  void visit(const Node& node, float least2, glm::vec3 beside2, Met& met) const {
+    if (node.child1 == nullptr) return look(node.node_type.lr.left, node.node_type.lr.right, met);
+    const auto axis = node.node_type.sub.divfeat;
+    const float low = met.p_m[axis] - node.node_type.sub.divlow;
+    const float high = met.p_m[axis] - node.node_type.sub.divhigh;
+    const bool in_first = low + high < 0.0f;
+    visit(in_first ? *node.child1 : *node.child2, least2, beside2, met);
+    const float cut2 = in_first ? high * high : low * low;
+    least2 = least2 + cut2 - beside2[axis];
+    if (least2 >= met.below2) return;
+    beside2[axis] = cut2;
+    visit(in_first ? *node.child2 : *node.child1, least2, beside2, met);
+  }
+
+  void look(std::size_t from, std::size_t to, Met& met) const {
+    std::array<float, kLeaf> distance2;
+    for (std::size_t i = 0; i < kLeaf; ++i) {
+      const float x = met.p_m.x - place_m_[0][from + i], y = met.p_m.y - place_m_[1][from + i],
+                  z = met.p_m.z - place_m_[2][from + i];
+      distance2[i] = x * x + y * y + z * z;
+    }
+    for (std::size_t i = 0; from + i < to; ++i) {
+      met.distance2[met.count] = distance2[i];
+      met.at[met.count] = static_cast<std::uint32_t>(from + i);
+      met.count += distance2[i] < met.below2 && from + i != met.self;
+    }
+    if (met.count > 2 * k_ + kLeaf) keepNearest(met);
+  }
+
+  /// Keeps the k nearest, in order. From then on, only nearer ones count.
+  void keepNearest(Met& met) const {
+    constexpr std::uint32_t kStep = 8;
+    const std::uint32_t count = met.count, end = (count + kStep - 1) / kStep * kStep;
+    std::array<float, kMostMet> distance2;
+    std::array<std::uint32_t, kMostMet> at;
+    std::array<std::uint8_t, kMostMet> equal;
+    std::copy_n(met.distance2.begin(), count, distance2.begin());
+    std::fill(distance2.begin() + count, distance2.begin() + end, met.below2);
+    std::copy_n(met.at.begin(), count, at.begin());
+    std::fill_n(equal.begin(), count, std::uint8_t{0});
+    for (std::uint32_t i = 0; i < count; ++i) {
+      std::uint32_t nearer = 0;
+      for (std::uint32_t j = 0; j < end; ++j) nearer += distance2[j] < distance2[i];
+      const std::uint32_t rank = nearer + equal[nearer]++;
+      met.distance2[rank] = distance2[i];
+      met.at[rank] = at[i];
+    }
+    met.count = std::min(count, k_);
+    if (met.count == k_) met.below2 = met.distance2[k_ - 1];
+  }
+
+  const Tree& tree_;
+  std::uint32_t k_;
+  std::array<std::vector<float>, 3> place_m_;  // by axis, in the tree's order
 };
 
 /// A result set for nanoflann: points within a radius, up to a maximum number.
@@ -130,27 +201,28 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wan
   if (found.k == 0) return found;
 
   const Positions positions{position_m};
-  Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  const Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(kLeaf));
+  const NearestSearch search(tree, position_m, found.k);
   found.index.resize(position_m.size() * found.k);
   found.reach_m.resize(position_m.size());
   // In the tree's order, consecutive queries read the same memory, and what one of them finds is
   // near the next one, too.
   constexpr std::size_t kBlock = 256;
   parallelFor((position_m.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
-    float within2 = std::numeric_limits<float>::max();
+    float likely_m = std::numeric_limits<float>::infinity();
     for (std::size_t at = block * kBlock; at < std::min(position_m.size(), (block + 1) * kBlock);
          ++at) {
       const std::uint32_t i = orderOf(tree)[at];
-      if (at != block * kBlock) {
+      std::uint32_t* const index = &found.index[i * found.k];
+      if (!search.find(at, likely_m, index, found.reach_m[i]) && at != block * kBlock) {
         constexpr float kRounding = 1.0001f;
         const std::uint32_t last = orderOf(tree)[at - 1];
-        const float within_m =
-            kRounding * (found.reach_m[last] + glm::distance(position_m[i], position_m[last]));
-        within2 = within_m * within_m;
+        search.find(
+            at, kRounding * (found.reach_m[last] + glm::distance(position_m[i], position_m[last])),
+            index, found.reach_m[i]);
       }
-      Nearest nearest(found.k, i, within2);
-      tree.findNeighbors(nearest, &position_m[i].x, {});
-      nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
+      constexpr float kLikely = 1.1f;
+      likely_m = kLikely * found.reach_m[i];
     }
   });
   return found;
@@ -201,7 +273,7 @@ std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> po
   std::vector<std::vector<std::uint32_t>> found(centers_m.size());
   if (position_m.empty()) return found;
   const Positions positions{position_m};
-  const Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  const Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(kLeaf));
   parallelFor(centers_m.size(), [&](std::size_t i) {
     Within within(radius_m[i], max_points, found[i]);
     tree.findNeighbors(within, &centers_m[i].x, {});

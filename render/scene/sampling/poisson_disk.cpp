@@ -16,24 +16,27 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kRounds = 12;  // with a dart for each point that is wanted
-/// The first round of each stage; so many darts of a stage are thrown at once.
+/// The first round of each stage, whose darts are thrown at once.
 constexpr std::array<std::size_t, 4> kStages = {0, 1, 3, kRounds};
+constexpr int kRoundBit = 60;  // of a dart's order
+static_assert(kRounds <= 1u << (64 - kRoundBit));
 constexpr double kMostPoints = 3.0;   // times the points wanted; slivers would take all darts
 constexpr float kFacingAway = -0.5f;  // cosine of normals
 constexpr std::size_t kBlock = 1024;  // darts of a task
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-glm::dvec3 crossOf(const std::vector<glm::vec3>& corners_m, std::size_t triangle) {
-  const glm::dvec3 a = corners_m[3 * triangle], b = corners_m[3 * triangle + 1],
-                   c = corners_m[3 * triangle + 2];
-  return glm::cross(b - a, c - a);
-}
-
 /// Areas summed up to each triangle, itself included.
-std::vector<double> summedAreas(const std::vector<glm::vec3>& corners_m) {
+/// @param normals  null, or gets those of the triangles
+std::vector<double> summedAreas(const std::vector<glm::vec3>& corners_m,
+                                std::vector<glm::vec3>* normals = nullptr) {
   std::vector<double> sums(corners_m.size() / 3);
-  parallelFor(sums.size(),
-              [&](std::size_t i) { sums[i] = 0.5 * glm::length(crossOf(corners_m, i)); });
+  if (normals != nullptr) normals->resize(sums.size());
+  parallelFor(sums.size(), [&](std::size_t i) {
+    const glm::dvec3 a = corners_m[3 * i], b = corners_m[3 * i + 1], c = corners_m[3 * i + 2];
+    const glm::dvec3 cross = glm::cross(b - a, c - a);
+    sums[i] = 0.5 * glm::length(cross);
+    if (normals != nullptr) (*normals)[i] = glm::vec3(glm::normalize(cross));
+  });
   double sum = 0.0;
   for (double& upto : sums) upto = sum += upto;
   return sums;
@@ -63,8 +66,7 @@ struct Dart {
   glm::dvec3 p_m;
   glm::vec3 normal;
   MeshPoint point;
-  std::uint32_t round;
-  std::uint64_t priority;  ///< the smallest one goes first
+  std::uint64_t order;  ///< by round, then at random; the smallest one goes first
 };
 
 /// Darts by cells twice as wide as their smallest distance. Cubes of 4 x 4 x 4 cells share hashed
@@ -140,31 +142,33 @@ class Grid {
 class Thrower {
  public:
   explicit Thrower(const std::vector<glm::vec3>& corners_m)
-      : corners_m_(corners_m), sums_m2_(summedAreas(corners_m)) {}
+      : corners_m_(corners_m), sums_m2_(summedAreas(corners_m, &normals_)) {}
 
   double area_m2() const { return sums_m2_.empty() ? 0.0 : sums_m2_.back(); }
 
-  /// The darts of some rounds that meet no accepted one, by round, in order of the triangles. Those
-  /// of a share are tested together, because they meet the same accepted ones.
+  /// The darts of some rounds that meet no accepted one, in order of the triangles. Those of a
+  /// share are tested together, because they meet the same accepted ones.
   /// @param accepted  those of the rounds before
   /// @param count     shares, the same in each round
-  std::vector<std::vector<Dart>> freeDarts(const Grid& accepted, std::size_t from, std::size_t to,
-                                           std::size_t count) const {
+  std::vector<Dart> freeDarts(const Grid& accepted, std::size_t from, std::size_t to,
+                              std::size_t count) const {
     std::vector<std::vector<Dart>> blocks((count + kBlock - 1) / kBlock);
     parallelFor(blocks.size(), [&](std::size_t b) {
       const std::size_t first = b * kBlock, end = std::min(count, first + kBlock);
       const auto upTo_m2 = [&](std::size_t share, double jitter) {
-        return (static_cast<double>(share) + jitter) / static_cast<double>(count) * area_m2();
+        return (static_cast<double>(static_cast<std::int64_t>(share)) + jitter) /
+               static_cast<double>(static_cast<std::int64_t>(count)) * area_m2();
       };
       auto low = std::upper_bound(sums_m2_.begin(), sums_m2_.end(), upTo_m2(first, 0.0));
       Corners corners;
       for (std::size_t k = first; k < end; ++k) {
-        while (low != sums_m2_.end() && *low <= upTo_m2(k, 0.0)) ++low;
+        const double from_m2 = upTo_m2(k, 0.0);
+        while (low != sums_m2_.end() && *low <= from_m2) ++low;
         Met met = {kNone, kNone};
         for (std::size_t round = from; round < to; ++round) {
           const std::uint64_t number = 2 * (std::uint64_t{round} * count + k);
-          const double at_m2 =
-              upTo_m2(k, static_cast<double>(randomBits(number - 1) >> 11) * 0x1p-53);
+          const auto jitter = static_cast<std::int64_t>(randomBits(number - 1) >> 11);
+          const double at_m2 = upTo_m2(k, static_cast<double>(jitter) * 0x1p-53);
           auto triangle = low;
           while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
           if (triangle == sums_m2_.end()) continue;  // by rounding
@@ -172,17 +176,14 @@ class Thrower {
           if (t != corners.triangle) corners = cornersOf(t);
           Dart dart = dartAt(corners, at_m2);
           if (meets(dart, accepted, met)) continue;
-          dart.round = static_cast<std::uint32_t>(round);
-          dart.priority = randomBits(number);
+          dart.order = std::uint64_t{round} << kRoundBit | randomBits(number) >> (64 - kRoundBit);
           blocks[b].push_back(dart);
         }
       }
     });
-    std::vector<std::vector<Dart>> rounds(to - from);
-    for (const std::vector<Dart>& block : blocks) {
-      for (const Dart& dart : block) rounds[dart.round - from].push_back(dart);
-    }
-    return rounds;
+    std::vector<Dart> free;
+    for (const auto& block : blocks) free.insert(free.end(), block.begin(), block.end());
+    return free;
   }
 
  private:
@@ -212,13 +213,7 @@ class Thrower {
     const glm::dvec3 a = corners_m_[first], ab = glm::dvec3(corners_m_[first + 1]) - a,
                      ac = glm::dvec3(corners_m_[first + 2]) - a;
     const double before_m2 = triangle == 0 ? 0.0 : sums_m2_[triangle - 1];
-    return {triangle,
-            a,
-            ab,
-            ac,
-            glm::vec3(glm::normalize(glm::cross(ab, ac))),
-            before_m2,
-            sums_m2_[triangle] - before_m2};
+    return {triangle, a, ab, ac, normals_[triangle], before_m2, sums_m2_[triangle] - before_m2};
   }
 
   static Dart dartAt(const Corners& corners, double at_m2) {
@@ -226,29 +221,16 @@ class Thrower {
     return {corners.a_m + weights.x * corners.ab_m + weights.y * corners.ac_m,
             corners.normal,
             {corners.triangle, glm::vec2(weights)},
-            0,
             0};
   }
 
   const std::vector<glm::vec3>& corners_m_;
+  std::vector<glm::vec3> normals_;  // of the triangles
   std::vector<double> sums_m2_;
 };
 
-/// Keeps the darts that meet no accepted one.
-void keepFree(std::vector<Dart>& darts, const Grid& accepted) {
-  std::vector<std::uint8_t> meets(darts.size());
-  parallelFor(darts.size(), [&](std::size_t i) {
-    meets[i] = accepted.anyNear(darts[i], [](std::uint32_t) { return true; });
-  });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < darts.size(); ++i) {
-    if (meets[i] == 0) darts[kept++] = darts[i];
-  }
-  darts.resize(kept);
-}
-
-/// Keeps the darts that dart throwing accepts if it takes them by their priority: a dart is
-/// accepted if no accepted one is too near. All darts that nobody open and near precedes are
+/// Keeps the darts that dart throwing accepts if it takes them in their order: a dart is accepted
+/// if no accepted one is too near. All darts that nobody open and near precedes are
 /// decided at a time (Blelloch et al. 2012), in few turns.
 void keepAccepted(std::vector<Dart>& darts, double distance_m) {
   Grid grid(darts.size(), distance_m);
@@ -261,7 +243,7 @@ void keepAccepted(std::vector<Dart>& darts, double distance_m) {
   parallelFor(blocks.size(), [&](std::size_t b) {
     for (std::size_t i = b * kBlock; i < std::min(darts.size(), (b + 1) * kBlock); ++i) {
       grid.anyNear(darts[i], [&](std::uint32_t j) {
-        if (darts[j].priority < darts[i].priority) blocks[b].darts.push_back(j);
+        if (darts[j].order < darts[i].order) blocks[b].darts.push_back(j);
         return false;
       });
       blocks[b].end.push_back(static_cast<std::uint32_t>(blocks[b].darts.size()));
@@ -312,18 +294,14 @@ std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, doub
   Grid grid(count, distance_m);
   std::vector<MeshPoint> points;
   for (std::size_t stage = 0; stage + 1 < kStages.size(); ++stage) {
-    std::vector<std::vector<Dart>> rounds =
-        thrower.freeDarts(grid, kStages[stage], kStages[stage + 1], count);
-    for (std::vector<Dart>& darts : rounds) {
-      if (&darts != rounds.data()) keepFree(darts, grid);
-      keepAccepted(darts, distance_m);
-      for (const Dart& dart : darts) grid.add(dart);
-      parallelSort(darts.begin(), darts.end(),
-                   [](const Dart& a, const Dart& b) { return a.priority < b.priority; });
-      for (const Dart& dart : darts) {
-        if (static_cast<double>(points.size()) >= kMostPoints * wanted) return points;
-        points.push_back(dart.point);
-      }
+    std::vector<Dart> darts = thrower.freeDarts(grid, kStages[stage], kStages[stage + 1], count);
+    keepAccepted(darts, distance_m);
+    for (const Dart& dart : darts) grid.add(dart);
+    parallelSort(darts.begin(), darts.end(),
+                 [](const Dart& a, const Dart& b) { return a.order < b.order; });
+    for (const Dart& dart : darts) {
+      if (static_cast<double>(points.size()) >= kMostPoints * wanted) return points;
+      points.push_back(dart.point);
     }
   }
   return points;
