@@ -14,6 +14,7 @@
 #include "app/record/tables.h"
 #include "app/replay/methods_text.h"
 #include "app/replay/report_explorer.h"
+#include "app/replay/report_scene.h"
 #include "base/base64.h"
 #include "base/file.h"
 #include "base/text.h"
@@ -214,10 +215,17 @@ std::string methodsSection(const MethodsText& text) {
 }
 
 void embedVideo(std::ostream& out, const std::filesystem::path& video) {
+  constexpr std::uintmax_t kMaxBytes = 6'000'000;
   std::ifstream in(video, std::ios::binary);
   if (!in) throw std::runtime_error("cannot read " + video.string());
   out << "<video controls loop muted playsinline preload=\"metadata\" "
-         "aria-label=\"video of the run\" src=\"data:video/mp4;base64,";
+         "aria-label=\"video of the run\" src=\"";
+  if (std::filesystem::file_size(video) > kMaxBytes) {
+    out << "video.mp4\"></video>\n<p class=\"quiet\">The video is too large for this page, which "
+           "shows video.mp4 of the same folder.</p>\n";
+    return;
+  }
+  out << "data:video/mp4;base64,";
   Base64 base64(out);
   std::vector<char> block(1 << 18);
   while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
@@ -287,6 +295,7 @@ std::string contents(const ReportFacts& facts) {
     html += std::string("<a href=\"#") + id + "\">" + title + "</a> ";
   };
   link("saw", "What the eye saw");
+  if (facts.scene) link("scene", "The scene in three dimensions");
   link("sheet", "Contact sheet");
   if (facts.objects.size() > 1) link("objects", "What the gaze met");
   if (!facts.heat.empty()) link("heat", "Where gaze rested");
@@ -332,12 +341,15 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
   const std::vector<RunMark> marks = marksOf(facts.run);
   const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks);
   std::ofstream out(file, std::ios::binary);
-  out << pageStart(nameOfRun(study, trace) + " - foci replay", kExplorerStyle)
+  out << pageStart(nameOfRun(study, trace) + " - foci replay",
+                   std::string(kExplorerStyle) + kSceneStyle)
       << headline(study, trace, facts) << contents(facts) << trialChoice(facts.trials)
       << "<h2 id=\"saw\">What the eye saw</h2>\n";
   embedVideo(out, video);
-  out << opticsText(study, facts)
-      << "<h2 id=\"sheet\">Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay "
+  const double first_s = facts.rows.front().time_s, last_s = facts.rows.back().time_s;
+  out << opticsText(study, facts);
+  if (facts.scene) writeSceneSection(out, *facts.scene, first_s, last_s);
+  out << "<h2 id=\"sheet\">Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay "
          "the frame at which a fixation had lasted longest. The ring marks the gaze; broken, where "
          "the eye does not "
          "fixate.</p>\n";
@@ -359,7 +371,9 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
       << configuration(study, !facts.run.changes.empty()) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads") << ", rendered on " << escaped(facts.device)
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
-      << explorerScript(facts.rows) << kPageEnd;
+      << explorerScript(facts.rows);
+  if (facts.scene) writeSceneScript(out, *facts.scene, first_s);
+  out << kPageEnd;
   out.close();
   if (!out) throw std::runtime_error(cannotWrite(file));
   return charts.problem;

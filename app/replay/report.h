@@ -14,6 +14,7 @@
 #include "app/replay/heatmap.h"
 #include "app/replay/report_charts.h"
 #include "app/replay/run_changes.h"
+#include "app/replay/scene_view.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
 
@@ -35,6 +36,7 @@ struct ReportFacts {
   std::string fixations;             ///< the text of fixations.tsv
   std::vector<TraceTrial> trials;    ///< in order of their beginnings
   std::vector<ObjectLooks> objects;  ///< `GazeInScene::objects`
+  std::optional<SceneView> scene;    ///< absent: no gaze met the scene
   std::vector<HeatPicture> heat;     ///< none: no heatmap was asked for
   double most_heat_s_per_m2 = 0.0;   ///< `HeatMap::most_s_per_m2`
   RecordingQuality quality{};        ///< of the gaze recording
@@ -54,7 +56,8 @@ inline constexpr double kVisibleBlur_px = 0.5;  ///< change of the blur radius
 
 struct MethodsText;
 
-/// @param video  embedded, read block by block
+/// @param video  embedded, read block by block; a large one is linked, so that the page stays below
+///               15 MB
 /// @return why the page has no charts, as it says; empty: it has them
 /// @throws std::runtime_error
 std::string writeReport(const std::filesystem::path& file, const std::filesystem::path& video,

@@ -12,16 +12,23 @@
 namespace foci {
 namespace {
 
-/// `run` and `charts`, `$` for the element of an id. Each chart is an SVG across its panels from
-/// `left` to `right`, shares of its width.
+/// Each chart is an SVG across its panels from `left` to `right`, shares of its width. `spans` are
+/// those of the chosen trial, on the recording's clock; each of `watchers` gets the video's time.
 constexpr const char* kScript = R"(
 const video = document.querySelector('video'), chart = document.querySelector('#charts svg');
 const picked = document.getElementById('trial'), tip = document.getElementById('tip');
 const last = run.rows.length - 1, from = run.rows[0][0], to = Math.max(run.rows[last][0], from + 1e-3);
-const ns = 'http://www.w3.org/2000/svg', shapes = [];
-function seek(time) {
+const ns = 'http://www.w3.org/2000/svg', shapes = [], watchers = [];
+let spans = [];
+function seek(time, still) {
   video.currentTime = Math.max(0, time - run.first);
-  video.scrollIntoView({ block: 'nearest' });
+  if (!still) video.scrollIntoView({ block: 'nearest' });
+}
+function tell(event, text) {
+  tip.textContent = text;
+  tip.hidden = false;
+  tip.style.left = Math.min(event.clientX + 14, innerWidth - tip.offsetWidth - 8) + 'px';
+  tip.style.top = event.clientY + 14 + 'px';
 }
 function xOf(time) {
   const share = Math.min(1, Math.max(0, (time - from) / (to - from)));
@@ -35,7 +42,8 @@ function shape(x, width, paint) {
 }
 const cursor = chart && shape(xOf(from), 1.5, { fill: '#c94a4a' });
 if (picked) picked.onchange = () => {
-  const chosen = picked.selectedOptions[0], spans = JSON.parse(chosen.dataset.spans || '[]');
+  const chosen = picked.selectedOptions[0];
+  spans = JSON.parse(chosen.dataset.spans || '[]');
   for (const one of document.querySelectorAll('[data-trial]')) {
     one.hidden = spans.length > 0 && one.dataset.trial !== chosen.value;
   }
@@ -49,7 +57,8 @@ if (picked) picked.onchange = () => {
   }
 };
 for (const row of document.querySelectorAll('[data-at]')) row.onclick = () => seek(+row.dataset.at);
-if (video && cursor) setInterval(() => cursor.setAttribute('x', xOf(run.first + video.currentTime)), 50);
+if (cursor) watchers.push(time => cursor.setAttribute('x', xOf(run.first + time)));
+setInterval(() => watchers.forEach(one => one(video.currentTime)), 50);
 function timeAt(event) {
   const box = chart.getBoundingClientRect(), share = (event.clientX - box.left) / box.width;
   return from + (to - from) * Math.min(1, Math.max(0, (share - run.left) / (run.right - run.left)));
@@ -61,10 +70,7 @@ if (chart) {
   chart.onmousemove = event => {
     const time = timeAt(event), after = run.rows.findIndex(one => one[0] >= time);
     const row = run.rows[after < 0 ? last : after];
-    tip.textContent = run.names.map((name, i) => name + ' ' + (row[i] === null ? 'n/a' : row[i])).join(', ');
-    tip.hidden = false;
-    tip.style.left = Math.min(event.clientX + 14, innerWidth - tip.offsetWidth - 8) + 'px';
-    tip.style.top = event.clientY + 14 + 'px';
+    tell(event, run.names.map((name, i) => name + ' ' + (row[i] === null ? 'n/a' : row[i])).join(', '));
   };
 }
 )";

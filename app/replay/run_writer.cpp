@@ -161,6 +161,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
   statistics_.fill(facts);
   facts.summary = summaryOf(schedule, events, statistics_, facts, out_);
   facts.objects = in_scene.objects;
+  facts.scene = sceneViewOf(cloud_, in_scene);
   facts.quality = judged.quality;
   if (run.heatmap) {
     const HeatMap heat = heatMapOf(cloud_, in_scene.attention_s);

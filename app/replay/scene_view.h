@@ -1,0 +1,46 @@
+// The scene of a run as its report shows it: some of its points, the path of the eye, and the
+// fixations, in a frame of their own.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <optional>
+#include <vector>
+
+#include "app/replay/gaze_in_scene.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// In metres; x to the right of the mean line of sight, y up, z towards the observer. The origin is
+/// the mean of the points that gaze met.
+struct SceneView {
+  struct Point {
+    glm::vec3 at_m;
+    float radius_m;     ///< of a disc, so that discs cover the surface
+    glm::u8vec3 color;  ///< sRGB codes
+  };
+  struct Sight {
+    double time_s;
+    glm::vec3 eye_m, point_m;  ///< NaN: the sight met nothing
+  };
+  struct Fixation : Sight {
+    double duration_s;
+    std::size_t number;  ///< in fixations.tsv
+    glm::vec3 normal;    ///< unit, towards the eye
+  };
+
+  std::vector<Point> points;
+  std::size_t points_near = 0, points_all = 0;  ///< of the scene: within `reach_m`; all
+  float reach_m = 0.0f;       ///< no coordinate of a point is larger; > 0 if there are points
+  glm::vec3 low_m, high_m;    ///< box about nearly all eye positions and points met
+  std::vector<Sight> path{};  ///< at most `kMaxSights` samples, in order of time
+  std::vector<Fixation> fixations{};  ///< that met a surface
+};
+
+inline constexpr std::size_t kMaxViewPoints = 200'000, kMaxSights = 4000;
+
+/// @return absent if no gaze met the scene
+std::optional<SceneView> sceneViewOf(const SurfelCloud& cloud, const GazeInScene& gaze);
+
+}  // namespace foci
