@@ -91,10 +91,11 @@ std::string fixationsOn(const Paper& paper, const std::vector<SceneView::Fixatio
     sights += "<line" + xy("x1", "y1", paper.at_px(fixation.eye_m)) + xy("x2", "y2", at) + "/>";
     circles += "<circle" + xy("cx", "cy", at) + " r=\"" + decimal(radius_px, 1) + "\"/>";
     if (fixations.size() > kMaxNumbered) continue;
-    circles += concat("<text", xy("x", "y", at), ">", fixation.number, "</text>");
+    circles += concat("<text stroke=\"none\" fill=\"#111\" dy=\"4\"", xy("x", "y", at), ">",
+                      fixation.number, "</text>");
   }
-  return "<g stroke=\"#8a4a00\" opacity=\".5\">" + sights +
-         "</g><g fill=\"#ffb347\" fill-opacity=\".85\" stroke=\"#5a3000\" font-size=\"11\" "
+  return "<g stroke=\"#8a4a00\" stroke-opacity=\".5\">" + sights +
+         "</g><g fill=\"#ffb347\" fill-opacity=\".9\" stroke=\"#5a3000\" font-size=\"11\" "
          "text-anchor=\"middle\">" +
          circles + "</g>";
 }

@@ -77,7 +77,8 @@ def headset(folder):
     rows = []
     for i in range(450):
         x, target = 0.1 * math.sin(i / 90), (0.2 if i // 100 % 2 else -0.2, 0.1)
-        rows.append(f"{i / 100},{x},0,0,0,0,0,1,{target[0] - x},{target[1]},-1")
+        far = math.hypot(target[0] - x, target[1], 1)
+        rows.append(f"{i / 100},{x},0,0,0,0,0,1,{(target[0] - x) / far},{target[1] / far},{-1 / far}")
     (folder / "head.csv").write_text("time_s,hx,hy,hz,qx,qy,qz,qw,gx,gy,gz\n" + "\n".join(rows) + "\n")
     (folder / "wall.ply").write_bytes(gaussians_ply())
     (folder / "study.toml").write_text("""[scene]
