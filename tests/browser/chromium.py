@@ -20,7 +20,7 @@ def program():
 class Chromium:
     """A page at a time. `errors` has the script errors of the page, and what its console calls an error."""
 
-    def __init__(self, width=1200, height=900):
+    def __init__(self, width=600, height=500):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_browser, self.sends = os.pipe()
         self.hears, from_browser = os.pipe()
