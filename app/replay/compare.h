@@ -17,8 +17,8 @@ namespace foci {
 /// A run's folder, read back.
 struct ComparedRun {
   std::filesystem::path folder;
-  std::string name;   ///< the folder's, with as many of its parents as tell the runs apart
-  std::string scene;  ///< runs of one scene have the same
+  std::string name{};   ///< the folder's, with as many of its parents as tell the runs apart
+  std::string scene{};  ///< runs of one scene have the same
   std::vector<RunFrame> frames = {};  ///< times after the first frame
   std::vector<RunFixation> fixations = {};
   std::optional<double> median_saccade_deg{};  ///< amplitude
