@@ -31,7 +31,8 @@ SceneView::Point pointOf(const SurfelCloud& cloud, std::size_t i) {
   glm::vec3 code;
   if (cloud.gaussians) {
     const Covariance3& variance = cloud.gaussians->covariance_m2[i];
-    point.radius_m = std::sqrt((variance.xx + variance.yy + variance.zz) / 3.0f);
+    point.radius_m =
+        std::sqrt((variance.xx + variance.yy + variance.zz) / 2.0f);  // flat: its sigma
     code = glm::clamp(cloud.gaussians->color[i], 0.0f, 1.0f);
   } else {
     point.radius_m = std::sqrt(cloud.area_m2[i] / 2.0f);  // half the diagonal of its square
