@@ -91,7 +91,7 @@ TEST(SceneView, ThinsEvenly) {
 TEST(SceneView, ShowsGaussians) {
   auto gaussians = std::make_shared<GaussianCloud>();
   gaussians->position_m = {{0.2f, 2.0f, 0.0f}};
-  gaussians->covariance_m2 = {covarianceOf(glm::vec3(0.1f), {0.0f, 0.0f, 0.0f, 1.0f})};
+  gaussians->covariance_m2 = {covarianceOf({0.1f, 0.1f, 0.0f}, {0.0f, 0.0f, 0.0f, 1.0f})};
   gaussians->opacity = {1.0f};
   gaussians->color = {{0.0f, 1.0f, 2.0f}};
   SurfelCloud cloud;
