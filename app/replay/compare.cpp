@@ -119,8 +119,8 @@ std::string dwellText(const ComparedRun& run, const std::string& object, int dig
 }
 
 void writeTables(std::ostream& out, const std::vector<ComparedRun>& runs) {
-  std::vector<std::string> heads;
-  for (const RunFigure& figure : kRunFigures) heads.emplace_back(figure.title);
+  std::vector<std::string> heads(kRunFigures.size());
+  std::ranges::transform(kRunFigures, heads.begin(), &RunFigure::title);
   writeTable(out, runs, heads, [](const ComparedRun& run, std::size_t k) {
     return textOf(kRunFigures[k].of(run), kRunFigures[k].digits, "&ndash;");
   });

@@ -105,8 +105,13 @@ std::string trialChoice(const std::vector<TraceTrial>& trials) {
   for (const TraceTrial& trial : trials) {
     if (const auto own = spans.extract(trial.name)) {
       const std::string name = escaped(trial.name);
-      options += "<option value=\"" + name + "\" data-spans=\"[" + own.mapped() + "]\">" + name +
-                 "</option>";
+      options += "<option value=\"";
+      options += name;
+      options += "\" data-spans=\"[";
+      options += own.mapped();
+      options += "]\">";
+      options += name;
+      options += "</option>";
     }
   }
   if (options.empty()) return "";
