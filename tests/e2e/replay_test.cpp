@@ -317,10 +317,9 @@ TEST_F(Replay, LeavesNothingWhenTerminated) {
   // A closed terminal, and `timeout`, which signals twice at once.
   for (const std::vector<int>& signals :
        {std::vector{SIGTERM}, {SIGINT}, {SIGHUP}, {SIGTERM, SIGTERM}}) {
-    const Outcome outcome =
-        terminateFoci({"replay", "study.toml", "--out", "out", "--size", "1280x960", "--seconds",
-                       "0:0.9", "--method", "accumulate:16"},
-                      folder.path(), folder.path() / "out", signals);
+    const Outcome outcome = terminateFoci(
+        {"replay", "study.toml", "--out", "out", "--size", "1280x960", "--seconds", "0:0.9"},
+        folder.path(), folder.path() / "out", signals);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
     EXPECT_FALSE(fs::exists(folder.path() / "out"));
   }
