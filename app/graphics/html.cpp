@@ -1,7 +1,9 @@
 #include "app/graphics/html.h"
 
 #include <cctype>
+#include <sstream>
 
+#include "base/base64.h"
 #include "base/text.h"
 
 namespace foci {
@@ -87,6 +89,15 @@ std::string hrefOf(const std::string& file) {
     }
   }
   return link;
+}
+
+std::string jpegUri(const std::vector<std::uint8_t>& jpeg) {
+  std::ostringstream out;
+  out << "data:image/jpeg;base64,";
+  Base64 base64(out);
+  base64.add(jpeg.data(), jpeg.size());
+  base64.finish();
+  return out.str();
 }
 
 std::string noticesOf(const std::vector<std::string>& texts) {

@@ -1,6 +1,7 @@
 // What the program's pages share: one style, and text quoted for HTML.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ std::string escaped(const std::string& text);
 
 /// A relative path as a link (RFC 3986): the value of an attribute, without quotes.
 std::string hrefOf(const std::string& file);
+
+/// The bytes of a JPEG file as the address of an image (RFC 2397): the value of an attribute.
+std::string jpegUri(const std::vector<std::uint8_t>& jpeg);
 
 /// Texts that the reader should know first, each in a paragraph that stands out. Plain text.
 std::string noticesOf(const std::vector<std::string>& texts);

@@ -12,8 +12,8 @@
 #include "app/graphics/image.h"
 #include "app/graphics/plot.h"
 #include "app/platform/output_files.h"
+#include "app/replay/figures.h"
 #include "app/replay/fixation_tables.h"
-#include "base/base64.h"
 #include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/sources/rows.h"
@@ -87,7 +87,7 @@ std::string textOf(const Some& value, int digits, const char* absent) {
 /// @param heads  of the columns, as HTML @param cell  of a run and a column, as HTML
 void writeTable(std::ostream& out, const std::vector<ComparedRun>& runs,
                 const std::vector<std::string>& heads,
-                const std::function<std::string(const ComparedRun&, std::size_t)>& cell) {
+                const std::function<std::string(std::size_t, std::size_t)>& cell) {
   out << "<div class=\"scroll\"><table><tr><th>run</th>";
   for (const std::string& head : heads) out << "<th>" << head << "</th>";
   out << "</tr>\n";
@@ -95,7 +95,7 @@ void writeTable(std::ostream& out, const std::vector<ComparedRun>& runs,
     out << "<tr><td><b style=\"color:" << colorOf(i) << "\">&#9632;</b> " << escaped(runs[i].name)
         << "</td>";
     for (std::size_t k = 0; k < heads.size(); ++k) {
-      out << "<td class=\"value\">" << cell(runs[i], k) << "</td>";
+      out << "<td class=\"value\">" << cell(i, k) << "</td>";
     }
     out << "</tr>\n";
   }
@@ -118,11 +118,12 @@ std::string dwellText(const ComparedRun& run, const std::string& object, int dig
   return found == run.dwell_s.end() ? absent : decimal(found->second, digits);
 }
 
-void writeTables(std::ostream& out, const std::vector<ComparedRun>& runs) {
+void writeTables(std::ostream& out, const std::vector<ComparedRun>& runs,
+                 const GazeOverlaps& overlaps) {
   std::vector<std::string> heads(kRunFigures.size());
   std::ranges::transform(kRunFigures, heads.begin(), &RunFigure::title);
-  writeTable(out, runs, heads, [](const ComparedRun& run, std::size_t k) {
-    return textOf(kRunFigures[k].of(run), kRunFigures[k].digits, "&ndash;");
+  writeTable(out, runs, heads, [&](std::size_t i, std::size_t k) {
+    return textOf(kRunFigures[k].of(runs[i]), kRunFigures[k].digits, "&ndash;");
   });
   out << "<p class=\"quiet\">Blur: diameter of the blur disc of the surface that is looked at, "
          "pupil times |1 / distance - focus|.</p>\n";
@@ -132,29 +133,27 @@ void writeTables(std::ostream& out, const std::vector<ComparedRun>& runs) {
     out << "<h2>Dwell time, s</h2>\n";
     heads.clear();
     for (const std::string& object : objects) heads.push_back(escaped(object));
-    writeTable(out, runs, heads, [&](const ComparedRun& run, std::size_t k) {
-      return dwellText(run, objects[k], 2, "&ndash;");
+    writeTable(out, runs, heads, [&](std::size_t i, std::size_t k) {
+      return dwellText(runs[i], objects[k], 2, "&ndash;");
     });
   }
 
   out << "<h2>Overlap of gaze in the scene</h2>\n";
   heads.clear();
   for (const ComparedRun& run : runs) heads.push_back(escaped(run.name));
-  writeTable(out, runs, heads, [&](const ComparedRun& run, std::size_t k) {
-    return textOf(gazeOverlap(run, runs[k]), 2, "&ndash;");
-  });
+  writeTable(out, runs, heads,
+             [&](std::size_t i, std::size_t k) { return textOf(overlaps[i][k], 2, "&ndash;"); });
   out << "<p class=\"quiet\">From 0, no common place, to 1, the same places for the same shares of "
          "the time: kernel correlation (Tsin and Kanade 2004) of the points of the scene that were "
-         "fixated, weighted by duration, each spread by a Gaussian of 1 deg.</p>\n";
+         "fixated, weighted by duration, each spread by a Gaussian of "
+      << significant(kGazeMapSigma_deg, 2) << " deg.</p>\n";
 }
 
 void embed(std::ostream& out, const Image& image, const std::string& caption) {
-  out << "<figure><img alt=\"" << escaped(caption) << "\" src=\"data:image/jpeg;base64,";
-  const auto jpeg = jpegOf(thumbnail(image, std::min(kComparePicture_px, image.size_px.x)));
-  Base64 base64(out);
-  base64.add(jpeg.data(), jpeg.size());
-  base64.finish();
-  out << "\"><figcaption>" << escaped(caption) << "</figcaption></figure>\n";
+  const int width_px = std::min(kComparePicture_px, image.size_px.x);
+  out << "<figure><img alt=\"" << escaped(caption) << "\" src=\""
+      << jpegUri(jpegOf(thumbnail(image, width_px))) << "\"><figcaption>" << escaped(caption)
+      << "</figcaption></figure>\n";
 }
 
 void writeFocus(std::ostream& out, const std::vector<ComparedRun>& runs) {
@@ -265,7 +264,7 @@ ComparedRun readRun(const std::filesystem::path& folder) {
 /// The sum over all pairs of the integral of the product of their Gaussians.
 double kernelSum(const std::vector<RunFixation>& first, const std::vector<RunFixation>& second) {
   const auto variance_m2 = [](const RunFixation& fixation) {
-    const double sigma_m = std::tan(glm::radians(1.0)) / fixation.surface_D;
+    const double sigma_m = std::tan(glm::radians(kGazeMapSigma_deg)) / fixation.surface_D;
     return sigma_m * sigma_m;
   };
   double sum = 0.0;
@@ -300,10 +299,19 @@ std::vector<std::filesystem::path> runFolders(const std::filesystem::path& folde
   return runs.empty() ? std::vector{folder} : runs;
 }
 
-std::optional<double> gazeOverlap(const ComparedRun& a, const ComparedRun& b) {
-  const double within = kernelSum(a.fixations, a.fixations) * kernelSum(b.fixations, b.fixations);
-  if (a.scene != b.scene || !(within > 0.0)) return std::nullopt;
-  return kernelSum(a.fixations, b.fixations) / std::sqrt(within);
+GazeOverlaps gazeOverlaps(const std::vector<ComparedRun>& runs) {
+  GazeOverlaps overlaps(runs.size(), std::vector<std::optional<double>>(runs.size()));
+  std::vector<double> within;
+  within.reserve(runs.size());
+  for (const ComparedRun& run : runs) within.push_back(kernelSum(run.fixations, run.fixations));
+  for (std::size_t a = 0; a < runs.size(); ++a) {
+    for (std::size_t b = 0; b <= a; ++b) {
+      if (runs[a].scene != runs[b].scene || !(within[a] * within[b] > 0.0)) continue;
+      const double between = a == b ? within[a] : kernelSum(runs[a].fixations, runs[b].fixations);
+      overlaps[a][b] = overlaps[b][a] = between / std::sqrt(within[a] * within[b]);
+    }
+  }
+  return overlaps;
 }
 
 Image pictureDifference(const ComparedRun& a, const ComparedRun& b, std::size_t picture) {
@@ -320,33 +328,32 @@ Image pictureDifference(const ComparedRun& a, const ComparedRun& b, std::size_t 
   return difference;
 }
 
-std::string compareTable(const std::vector<ComparedRun>& runs) {
+std::string compareTable(const std::vector<ComparedRun>& runs, const GazeOverlaps& overlaps) {
   const std::vector<std::string> objects = objectsOf(runs, -1.0);
   std::string table = "run";
   for (const RunFigure& figure : kRunFigures) table += std::string("\t") + figure.column;
   for (const std::string& object : objects) table += "\tdwell_s " + visible(object);
   for (const ComparedRun& run : runs) table += "\toverlap " + visible(run.name);
   table += '\n';
-  for (const ComparedRun& run : runs) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const ComparedRun& run = runs[i];
     table += visible(run.folder.string());
     for (const RunFigure& figure : kRunFigures) {
       table += '\t' + textOf(figure.of(run), figure.digits, "n/a");
     }
     for (const std::string& object : objects) table += '\t' + dwellText(run, object, 4, "n/a");
-    for (const ComparedRun& other : runs) {
-      table += '\t' + textOf(gazeOverlap(run, other), 4, "n/a");
-    }
+    for (const auto& overlap : overlaps[i]) table += '\t' + textOf(overlap, 4, "n/a");
     table += '\n';
   }
   return table;
 }
 
-std::string comparePage(const std::vector<ComparedRun>& runs) {
+std::string comparePage(const std::vector<ComparedRun>& runs, const GazeOverlaps& overlaps) {
   std::ostringstream out;
   out << pageStart(std::to_string(runs.size()) + " runs - foci compare",
                    ".scroll { overflow-x: auto; } th, td { padding-right: 1rem; }")
       << "<h1>" << runs.size() << " runs side by side</h1>\n";
-  writeTables(out, runs);
+  writeTables(out, runs, overlaps);
   writeFocus(out, runs);
   writePictures(out, runs);
   out << kPageEnd;
@@ -363,9 +370,10 @@ void compareRuns(const std::vector<std::filesystem::path>& folders,
   runs.reserve(folders.size());
   for (const std::filesystem::path& folder : folders) runs.push_back(readRun(folder));
   nameRuns(runs);
+  const GazeOverlaps overlaps = gazeOverlaps(runs);
   OutputFolder files(out, guard);
-  files.write(kCompareTable, compareTable(runs));
-  files.write(kComparePage, comparePage(runs));
+  files.write(kCompareTable, compareTable(runs, overlaps));
+  files.write(kComparePage, comparePage(runs, overlaps));
   files.commit();
 }
 

@@ -36,22 +36,24 @@ inline constexpr std::size_t kPictures = 6;
 /// The runs of a folder: itself, or those of its batch.
 std::vector<std::filesystem::path> runFolders(const std::filesystem::path& folder);
 
-/// How much two observers looked at the same places of the scene, from 0 to 1 (the same): the
+/// How much each two observers looked at the same places of the scene, from 0 to 1 (the same): the
 /// kernel correlation (Tsin and Kanade 2004), sum_ab g(a, b) over the root of the same sums within
 /// each run. g is the integral of the product of two Gaussians on a surface, one about the point of
-/// fixation a and one about that of b, weighted by the durations. The sigma of each is 1 deg, seen
-/// from the eye. Nothing for different scenes, or if a run has no fixation on a surface.
-std::optional<double> gazeOverlap(const ComparedRun& a, const ComparedRun& b);
+/// fixation a and one about that of b, weighted by the durations. The sigma of each is
+/// `kGazeMapSigma_deg`, seen from the eye. By run and run; nothing for different scenes, or if a
+/// run has no fixation on a surface.
+using GazeOverlaps = std::vector<std::vector<std::optional<double>>>;
+GazeOverlaps gazeOverlaps(const std::vector<ComparedRun>& runs);
 
 /// The difference of two pictures, times `kDifferenceGain`, without the rings that mark gaze.
 Image pictureDifference(const ComparedRun& a, const ComparedRun& b, std::size_t picture);
 
 /// compare.tsv: one row for each run.
-std::string compareTable(const std::vector<ComparedRun>& runs);
+std::string compareTable(const std::vector<ComparedRun>& runs, const GazeOverlaps& overlaps);
 
 /// compare.html: figures, dwell times, overlap of gaze, focus over time, and pictures with their
 /// difference from those of the first run.
-std::string comparePage(const std::vector<ComparedRun>& runs);
+std::string comparePage(const std::vector<ComparedRun>& runs, const GazeOverlaps& overlaps);
 
 /// Files of a comparison in `out`.
 std::vector<std::filesystem::path> compareFiles(const std::filesystem::path& out);

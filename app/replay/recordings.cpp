@@ -11,7 +11,6 @@
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "app/replay/fixation_tables.h"
-#include "base/base64.h"
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
@@ -179,15 +178,11 @@ void writeCard(std::ostream& out, const BatchResult& result) {
   const RunSummary& run = result.run.summary;
   out << "<figure><a href=\"" << hrefOf(result.recording.name)
       << "/report.html\"><img alt=\"frame at " << decimal(result.run.image.time_s, 2)
-      << " s\" src=\"data:image/jpeg;base64,";
-  Base64 base64(out);
-  base64.add(result.run.image.jpeg.data(), result.run.image.jpeg.size());
-  base64.finish();
-  out << "\"></a><figcaption><a href=\"" << hrefOf(result.recording.name) << "/report.html\">"
-      << escaped(result.recording.name) << "</a><br>" << decimal(run.duration_s, 1)
-      << " s &middot; " << run.fixations << " fixations &middot; " << run.saccades
-      << " saccades &middot; " << decimal(100.0 * run.gaze_valid, 1)
-      << "&thinsp;% valid</figcaption></figure>\n";
+      << " s\" src=\"" << jpegUri(result.run.image.jpeg) << "\"></a><figcaption><a href=\""
+      << hrefOf(result.recording.name) << "/report.html\">" << escaped(result.recording.name)
+      << "</a><br>" << decimal(run.duration_s, 1) << " s &middot; " << run.fixations
+      << " fixations &middot; " << run.saccades << " saccades &middot; "
+      << decimal(100.0 * run.gaze_valid, 1) << "&thinsp;% valid</figcaption></figure>\n";
 }
 
 void writeProblems(std::ostream& out, const std::vector<BatchResult>& results) {

@@ -1,7 +1,6 @@
 #include "app/replay/replayed_eye.h"
 
 #include "app/session/auto_method.h"
-#include "app/study/recorded_head.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 
@@ -49,7 +48,7 @@ void ReplayedEye::lookAtSkippedFrames() {
 
 void ReplayedEye::requireSceneInView(const SurfelCloud& cloud) const {
   constexpr std::size_t kMoments = 100, kPoints = 20'000;
-  if (!recordsHead(study_)) return;
+  if (!gaze_.trace.samples.front().head) return;
   const std::span<const glm::vec3> all_m = positionsOf(cloud);
   std::vector<glm::vec3> points_m;
   for (std::size_t i = 0; i < all_m.size(); i += 1 + all_m.size() / kPoints) {

@@ -241,13 +241,9 @@ void contactSheet(std::ostream& out, const ReportFacts& facts) {
   for (const SheetImage& image : facts.sheet) {
     out << "<figure class=\"seek\" data-at=\"" << decimal(image.time_s, 4) << "\" data-trial=\""
         << escaped(trialAt(facts.trials, image.time_s)) << "\"><img alt=\"frame at "
-        << decimal(image.time_s, 2) << " s\" src=\"data:image/jpeg;base64,";
-    Base64 base64(out);
-    base64.add(image.jpeg.data(), image.jpeg.size());
-    base64.finish();
-    out << "\"><figcaption>" << stateMark(image.state) << nameOf(image.state) << " &middot; "
-        << decimal(image.time_s, 2) << " s<br>focus " << decimal(image.focus_D, 2) << " D, "
-        << distanceText(image.focus_D);
+        << decimal(image.time_s, 2) << " s\" src=\"" << jpegUri(image.jpeg) << "\"><figcaption>"
+        << stateMark(image.state) << nameOf(image.state) << " &middot; " << decimal(image.time_s, 2)
+        << " s<br>focus " << decimal(image.focus_D, 2) << " D, " << distanceText(image.focus_D);
     if (image.surface_distance_m) {
       out << " &middot; surface " << decimal(*image.surface_distance_m, 2) << " m";
     }
@@ -317,13 +313,9 @@ void heatSection(std::ostream& out, const ReportFacts& facts) {
   if (facts.heat.empty()) return;
   out << "<h2 id=\"heat\">Where gaze rested</h2>\n<div class=\"pair\">\n";
   for (const HeatPicture& picture : facts.heat) {
-    out << "<figure><img alt=\"heatmap " << escaped(picture.caption)
-        << "\" src=\"data:image/jpeg;base64,";
-    Base64 base64(out);
-    const auto jpeg = jpegOf(picture.image);
-    base64.add(jpeg.data(), jpeg.size());
-    base64.finish();
-    out << "\"><figcaption>" << escaped(picture.caption) << "</figcaption></figure>\n";
+    out << "<figure><img alt=\"heatmap " << escaped(picture.caption) << "\" src=\""
+        << jpegUri(jpegOf(picture.image)) << "\"><figcaption>" << escaped(picture.caption)
+        << "</figcaption></figure>\n";
   }
   out << "</div>\n"
       << heatBarHtml(facts.most_heat_s_per_m2)

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
+#include "app/graphics/html.h"
 #include "app/graphics/image.h"
-#include "base/base64.h"
 #include "base/text.h"
 
 namespace foci {
@@ -119,19 +118,14 @@ std::string scaleBar(const Paper& paper) {
 
 std::string scenePlanSvg(const SceneView& view, SceneSide from) {
   const Paper paper(view, from);
-  std::ostringstream image;
-  Base64 base64(image);
-  const auto jpeg = jpegOf(imageOn(paper, view.points));
-  base64.add(jpeg.data(), jpeg.size());
-  base64.finish();
   std::string path;
   for (const SceneView::Sight& sight : view.path) path += pair(paper.at_px(sight.eye_m)) + " ";
   const std::string size = concat("\"", paper.size_px.x, "\" height=\"", paper.size_px.y, "\"");
   return concat("<svg class=\"plan\" style=\"width:", paper.size_px.x, "px\" viewBox=\"0 0 ",
                 paper.size_px.x, " ", paper.size_px.y, "\" role=\"img\" aria-label=\"",
                 from == SceneSide::above ? "plan" : "side view", " of the scene, with ",
-                counted(view.fixations.size(), "fixation"), "\"><image width=", size,
-                " href=\"data:image/jpeg;base64,", image.str(), "\"/>",
+                counted(view.fixations.size(), "fixation"), "\"><image width=", size, " href=\"",
+                jpegUri(jpegOf(imageOn(paper, view.points))), "\"/>",
                 fixationsOn(paper, view.fixations),
                 "<polyline fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"2\" points=\"", path,
                 "\"/><circle fill=\"#1f5fa8\" r=\"5\"",

@@ -11,7 +11,6 @@
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
 #include "app/platform/machine.h"
-#include "base/base64.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/methods/method.h"
@@ -115,12 +114,9 @@ std::string ratioText(const ReproduceFacts& facts) {
 
 void writeFigurePanels(std::ostream& out, const std::vector<PaperFigure>& row) {
   for (const PaperFigure& panel : row) {
-    out << "<figure><img alt=\"" << escaped(panel.caption) << "\" src=\"data:image/jpeg;base64,";
-    Base64 base64(out);
-    const auto jpeg = jpegOf(panel.image);
-    base64.add(jpeg.data(), jpeg.size());
-    base64.finish();
-    out << "\"><figcaption>" << escaped(panel.caption) << "</figcaption></figure>\n";
+    out << "<figure><img alt=\"" << escaped(panel.caption) << "\" src=\""
+        << jpegUri(jpegOf(panel.image)) << "\"><figcaption>" << escaped(panel.caption)
+        << "</figcaption></figure>\n";
   }
 }
 

@@ -147,7 +147,7 @@ TEST(HostileNames, AreFieldsOfTables) {
     run.frames[1].time_s = 1.0;
     run.dwell_s[name] = 2.0;
     run.fixations.resize(1);
-    expectRectangular(compareTable({run, run}), 3);
+    expectRectangular(compareTable({run, run}, gazeOverlaps({run, run})), 3);
 
     BatchResult good{.recording = {.trace = name, .name = name}}, bad = good;
     bad.problem = name;

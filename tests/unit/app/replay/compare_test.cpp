@@ -22,6 +22,10 @@ ComparedRun runOf(std::vector<RunFixation> fixations) {
   return {.folder = "a", .name = "a", .scene = "s", .fixations = std::move(fixations)};
 }
 
+std::optional<double> gazeOverlap(const ComparedRun& a, const ComparedRun& b) {
+  return gazeOverlaps({a, b})[0][1];
+}
+
 TEST(GazeOverlap, OfTwoFixationsIsAGaussianOfTheirDistance) {
   const ComparedRun a = runOf({at(0.0, 0.3)});
   for (const double x_m : {0.0, 0.01, 0.03, 0.2}) {
