@@ -104,17 +104,19 @@ TEST_F(Eye, RefusesWhatItCannotShow) {
 }
 
 TEST_F(Eye, AWavefrontChangesTheFrameAndIsRecorded) {
-  const Outcome with = runFoci(
-      {"render", "study.toml", "--out", "with.pfm", "--focus", "1", "--pupil", "6"}, folder.path());
+  const Outcome with = runFoci({"render", "study.toml", "--out", "with.pfm", "--focus", "1",
+                                "--pupil", "6", "--method", "sweep-lod"},
+                               folder.path());
   ASSERT_EQ(with.exit_code, 0) << with.err;
-  const Outcome without = runFoci({"render", "study.toml", "--out", "without.pfm", "--focus", "1",
-                                   "--pupil", "6", "--set", "observer.wavefront=null"},
-                                  folder.path());
+  const Outcome without =
+      runFoci({"render", "study.toml", "--out", "without.pfm", "--focus", "1", "--pupil", "6",
+               "--method", "sweep-lod", "--set", "observer.wavefront=null"},
+              folder.path());
   ASSERT_EQ(without.exit_code, 0) << without.err;
   EXPECT_NE(folder.read("with.pfm"), folder.read("without.pfm"));
   // A study that foci writes names the file, and gives the same bytes.
   ASSERT_EQ(runFoci({"render", "study.toml", "--out", "again.pfm", "--focus", "1", "--pupil", "6",
-                     "--write-study", "saved.toml"},
+                     "--method", "sweep-lod", "--write-study", "saved.toml"},
                     folder.path())
                 .exit_code,
             0);

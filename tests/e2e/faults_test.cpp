@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 #ifdef FOCI_SANITIZED
 constexpr int kKills = 6;  // a sanitizer makes the binary ten times slower
 #else
-constexpr int kKills = 30;
+constexpr int kKills = 12;
 #endif
 
 class Faults : public testing::Test {

@@ -190,9 +190,9 @@ TEST(Prepare, AMeshLooksAsBeforeWithoutAStudy) {
   prepared(folder, {"ball.obj", "--out", "ball.foci"});
   std::vector<std::vector<float>> red;
   for (const char* scene : {"ball.obj", "ball.foci"}) {
-    const Outcome outcome = runFoci(
-        {"render", scene, "--look", "above", "--size", "96x72", "--out", "a.pfm", "--overwrite"},
-        folder.path());
+    const Outcome outcome = runFoci({"render", scene, "--look", "above", "--size", "96x72",
+                                     "--method", "sweep-lod", "--out", "a.pfm", "--overwrite"},
+                                    folder.path());
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("y is up"), std::string::npos) << outcome.err;
     red.push_back(redOf(folder.read("a.pfm")));

@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <map>
 
 #include "base/input_error.h"
+#include "render/scene/io/foci_container.h"
 #include "tests/temporary_folder.h"
 
 namespace foci::fuzz {
@@ -44,7 +46,25 @@ void giveUp(const char* what, double value) {
   std::abort();
 }
 
+std::map<std::string, Fuzzer>& fuzzers() {
+  static std::map<std::string, Fuzzer> all;
+  return all;
+}
+
+Fuzzer chosen() {
+  compare_foci_checksums = false;
+  const char* const name = std::getenv("FOCI_FUZZER");
+  const auto found = fuzzers().find(name == nullptr ? "" : name);
+  if (found != fuzzers().end()) return found->second;
+  std::fprintf(stderr, "foci fuzz: FOCI_FUZZER=%s: expected one of", name == nullptr ? "" : name);
+  for (const auto& each : fuzzers()) std::fprintf(stderr, " %s", each.first.c_str());
+  std::fprintf(stderr, "\n");
+  std::exit(2);
+}
+
 }  // namespace
+
+Known::Known(const std::string& name, Fuzzer fuzzer) { fuzzers().emplace(name, fuzzer); }
 
 std::filesystem::path asFile(const std::string& name, const std::uint8_t* bytes, std::size_t size) {
   static const TemporaryFolder folder(access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
@@ -77,3 +97,8 @@ void readWithinLimits(std::size_t size, const std::function<void()>& read) {
 }
 
 }  // namespace foci::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  static const foci::fuzz::Fuzzer fuzzer = foci::fuzz::chosen();
+  return fuzzer(bytes, size);
+}

@@ -7,8 +7,8 @@ set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-30}
 [ $# -gt 0 ] && shift
-cmake --preset fuzz >/dev/null
-cmake --build --preset fuzz --target foci_fuzzers
+cmake --preset asan >/dev/null
+cmake --build --preset asan --target foci_fuzz
 [ $# -gt 0 ] || set -- $(ls tests/fuzz/corpus)
 mkdir -p out/fuzz
 export SEED="${SEED:-1}" ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
@@ -18,13 +18,14 @@ one=$(mktemp)
 trap 'rm -f "$one"' EXIT
 cat >"$one" <<'EOF'
 target=$1 seconds=$2
+export FOCI_FUZZER="$target"
 found=out/fuzz/$target
 mkdir -p "$found"
 # The harness limits each read in processor time. This timeout ends a read that never returns.
 limits="-timeout=20 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix=out/fuzz/$target-"
-if build/fuzz/fuzz_$target $limits -runs=0 tests/fuzz/corpus/$target >"$found.log" 2>&1 &&
+if build/asan/foci_fuzz $limits -runs=0 tests/fuzz/corpus/$target >"$found.log" 2>&1 &&
   { [ "$seconds" -eq 0 ] ||
-    build/fuzz/fuzz_$target $limits -seed="$SEED" -max_total_time="$seconds" -print_final_stats=1 "$found" \
+    build/asan/foci_fuzz $limits -seed="$SEED" -max_total_time="$seconds" -print_final_stats=1 "$found" \
       tests/fuzz/corpus/$target >"$found.log" 2>&1; }; then
   echo "$target: $(grep -c . "$found.log") lines, $(sed -n 's/^stat::number_of_executed_units: *//p' "$found.log") runs, nothing found"
 else

@@ -13,11 +13,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::size_t kBlock = 1 << 20;
-#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-constexpr bool kChecksums = false;  // a fuzzer would never pass them
-#else
-constexpr bool kChecksums = true;
-#endif
 
 /// FNV-1a over words of eight bytes, the last one padded with zeros. Each step is a bijection of
 /// the state, so a change within one word always changes the result.
@@ -124,7 +119,7 @@ void FociContainer::readHeader() {
     refuse("is of version ", header_.version, ": this program reads versions ", kFociGaussians,
            " and ", kFociTree, "; foci prepare makes it again");
   }
-  if (kChecksums && header_.header_checksum != checksumOf(header_))
+  if (compare_foci_checksums && header_.header_checksum != checksumOf(header_))
     refuse("was altered: its header does not match");
 }
 
@@ -150,7 +145,7 @@ std::vector<ByteSpan> FociContainer::arrays(const std::vector<std::uint64_t>& by
     if (!checked_) continue;
     content.add(checksumOf(padded));
   }
-  if (checked_ && kChecksums && content.value() != header_.content_checksum)
+  if (checked_ && compare_foci_checksums && content.value() != header_.content_checksum)
     refuse("was altered: its checksum does not match");
   return all;
 }

@@ -34,6 +34,9 @@ struct FociHeader {
 };
 static_assert(sizeof(FociHeader) == 64);
 
+/// Whether readers compare checksums. Fuzzers, which cannot guess them, turn it off.
+inline bool compare_foci_checksums = true;
+
 using ByteSpan = std::span<const unsigned char>;
 
 /// @param values  contiguous

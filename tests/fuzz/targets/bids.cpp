@@ -5,7 +5,7 @@
 #include "gaze/sources/trace_reader.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(bids) {
   const void* nul = size > 0 ? std::memchr(bytes, 0, size) : nullptr;
   if (nul == nullptr) return 0;
   const auto json = static_cast<std::size_t>(static_cast<const std::uint8_t*>(nul) - bytes);

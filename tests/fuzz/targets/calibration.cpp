@@ -5,7 +5,7 @@
 #include "calibration/webcam/webcam_calibration.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(calibration) {
   const auto file = foci::fuzz::asFile("map.toml", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] { foci::readGazeMap(file); });
   foci::fuzz::readWithinLimits(size, [&] { foci::readCamera(file); });

@@ -2,7 +2,7 @@
 #include "render/scene/io/point_formats.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(colmap) {
   const auto file = foci::fuzz::asFile("points3D.bin", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] {
     foci::isColmapFile(file);

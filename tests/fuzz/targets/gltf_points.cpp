@@ -2,7 +2,7 @@
 #include "render/scene/io/mesh_formats.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(gltf_points) {
   const bool binary = size > 0 && bytes[0] == 'g';
   const auto file = foci::fuzz::asFile(binary ? "input.glb" : "input.gltf", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] { foci::readGltfPoints(foci::GltfDocument(file)); });

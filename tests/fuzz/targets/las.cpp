@@ -2,7 +2,7 @@
 #include "render/scene/io/point_formats.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(las) {
   const auto file = foci::fuzz::asFile("input.las", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] { foci::readLas(file); });
   return 0;

@@ -6,7 +6,7 @@
 // Assimp leaks memory of FBX files that it refuses.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(mesh) {
   if (size == 0) return 0;
   constexpr const char* kNames[] = {"input.obj", "input.stl", "input.gltf",
                                     "input.glb", "input.ply", "input.fbx"};

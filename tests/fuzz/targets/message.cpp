@@ -6,7 +6,7 @@
 #include "gaze/live/pupil_source.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(message) {
   const void* nul = size > 0 ? std::memchr(bytes, 0, size) : nullptr;
   if (nul == nullptr) return 0;
   const std::string_view all(reinterpret_cast<const char*>(bytes), size);

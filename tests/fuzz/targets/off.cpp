@@ -2,7 +2,7 @@
 #include "render/scene/io/point_formats.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(off) {
   const auto file = foci::fuzz::asFile("input.off", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] { foci::readOff(file); });
   return 0;

@@ -3,7 +3,7 @@
 #include "render/scene/io/open_scene.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(ply) {
   const auto file = foci::fuzz::asFile("input.ply", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] {
     foci::SceneFile scene = foci::readScene(file);

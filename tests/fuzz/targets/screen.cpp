@@ -2,7 +2,7 @@
 #include "calibration/screen/screen_file.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(screen) {
   const auto file = foci::fuzz::asFile("screen", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] { foci::readScreen(file); });
   return 0;

@@ -2,7 +2,7 @@
 #include "render/scene/io/gaussian_formats.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(splat) {
   const auto file = foci::fuzz::asFile("input.splat", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] {
     foci::isSplatFile(file);

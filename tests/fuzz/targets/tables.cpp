@@ -7,7 +7,7 @@
 #include "gaze/sources/labelled.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(tables) {
   const auto file = foci::fuzz::asFile("input.tsv", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] { foci::readLabelledTrace(file, foci::defaultScreen()); });
   for (const auto units : {foci::MapUnits::deg, foci::MapUnits::norm, foci::MapUnits::direction}) {

@@ -2,7 +2,7 @@
 #include "render/scene/io/point_formats.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(text_points) {
   if (size == 0) return 0;
   constexpr const char* kNames[] = {"input.xyz", "input.pts", "input.txt"};
   const auto file = foci::fuzz::asFile(kNames[bytes[0] % 3], bytes + 1, size - 1);

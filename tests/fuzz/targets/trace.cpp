@@ -3,7 +3,7 @@
 #include "gaze/sources/trace_reader.h"
 #include "tests/fuzz/harness.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+FOCI_FUZZ(trace) {
   const auto file = foci::fuzz::asFile("input.tsv", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] { foci::readTrace(file, {}, foci::defaultScreen()); });
   return 0;

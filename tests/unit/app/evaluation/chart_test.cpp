@@ -118,7 +118,7 @@ TEST(AutoOnTheChart, PredictsABoundOfItsErrorBelowTheTolerance) {
     if (scene.gaussians) continue;        // below
     const SceneInView seen = scene.make();
     const auto method = makeMethod("auto", seen.cloud);
-    for (const double blur_px : {1.0, 2.0, 4.0, 12.0}) {
+    for (const double blur_px : {2.0, 12.0}) {
       const RenderSettings settings =
           seen.settingsThrough(blur_px / seen.largestBlurThrough_px(1.0));
       Frame frame, reference;

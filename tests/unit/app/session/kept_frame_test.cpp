@@ -25,10 +25,10 @@ class KeptFrame : public ::testing::Test {
 
   static RenderRequest requestOf(StereoView stereo, bool split = false, bool chromatic = false) {
     RenderRequest request{
-        .method = "sweep-lod", .stereo = stereo, .size_px = {32, 24}, .split = split, .eyes = {}};
+        .method = "sweep-lod", .stereo = stereo, .size_px = {16, 12}, .split = split, .eyes = {}};
     const View middle{.size_px = request.size_px,
-                      .focal_px = glm::vec2(30.0f),
-                      .principal_px = glm::vec2(16.0f, 12.0f)};
+                      .focal_px = glm::vec2(15.0f),
+                      .principal_px = glm::vec2(8.0f, 6.0f)};
     RenderSettings settings = lens(6.0f, 1.0f);
     settings.background = glm::vec3(0.1f, 0.2f, 0.5f);
     if (chromatic) {

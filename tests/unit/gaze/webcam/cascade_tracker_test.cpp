@@ -16,8 +16,8 @@ const Pinhole kCamera{.focal_px = {560, 560}, .principal_px = {320, 240}};
 
 TEST(CascadeTracker, FollowsHeadIrisesAndBlinks) {
   CascadeTracker tracker(Lens{kCamera}, std::nullopt);
-  const faces::Sitting sitting{.sway_m = 0.02, .sway_rad = 0.08, .blink_every_s = 1.2};
-  const faces::Watched w = faces::watch(tracker, faces::somebody(1), sitting, 0.0, 1.9, 2.0, false);
+  const faces::Sitting sitting{.sway_m = 0.02, .sway_rad = 0.08, .blink_every_s = 0.6};
+  const faces::Watched w = faces::watch(tracker, faces::somebody(1), sitting, 0.0, 0.9, 2.0, false);
   EXPECT_GE(faces::shareFound(w), 0.97);
   // Position and rotation of the head may have a constant error, which a calibration removes. Their
   // changes must be right.
@@ -58,7 +58,7 @@ TEST(CascadeTracker, FollowsIrisesBehindGlassesAndNoise) {
   faces::Person person = faces::somebody(2);
   person.glasses = true;
   const faces::Watched w =
-      faces::watch(tracker, person, {.blink_every_s = 0.0}, 0.0, 1.2, 5.0, false);
+      faces::watch(tracker, person, {.blink_every_s = 0.0}, 0.0, 0.7, 5.0, false);
   EXPECT_GE(faces::shareFound(w), 0.85);
 }
 

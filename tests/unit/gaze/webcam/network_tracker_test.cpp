@@ -26,8 +26,8 @@ NetworkTracker trackerOf(const std::optional<WebcamReference>& reference = std::
 TEST(NetworkTracker, FollowsHeadIrisesAndBlinks) {
   SKIP_WITHOUT_MODELS();
   NetworkTracker tracker = trackerOf();
-  const faces::Sitting sitting{.sway_m = 0.02, .sway_rad = 0.08, .blink_every_s = 1.2};
-  const faces::Watched w = faces::watch(tracker, faces::somebody(1), sitting, 0.0, 1.9, 2.0, true);
+  const faces::Sitting sitting{.sway_m = 0.02, .sway_rad = 0.08, .blink_every_s = 0.6};
+  const faces::Watched w = faces::watch(tracker, faces::somebody(1), sitting, 0.0, 0.9, 2.0, true);
   EXPECT_GE(faces::shareFound(w), 0.95);
   int shut = 0, blinks = 0, false_blinks = 0;
   std::vector<glm::dvec2> turn_off;
