@@ -136,7 +136,7 @@ void showAlignment(const std::string& recording, const TraceOptions& trace,
   if (trace.study.empty() && gaze.scene_scale_m) study.scene.scale_m = *gaze.scene_scale_m;
   study = withRecordedHead(std::move(study), gaze);
   const auto sights = sightsOf(gaze, *gaze.screen, study.observer.ipd_mm / 1000.0);
-  if (sights.size() < 2) {
+  if (sights.sights.size() < 2) {
     throw InputError(recording,
                      "--scene: expected a recording of a headset, with poses of the head and gaze");
   }
@@ -152,7 +152,7 @@ void showAlignment(const std::string& recording, const TraceOptions& trace,
   if (found.verdict() == AlignmentSearch::Verdict::propose) {
     fits.emplace_back("Proposed: " + fitText(found.best), &found.best);
   }
-  writeOutput(options.out, alignmentSvg(cloud, sights, fits, up), guard);
+  writeOutput(options.out, alignmentSvg(cloud, sights.sights, fits, up), guard);
   if (json) {
     std::puts(jsonText(jsonOf(found)).c_str());
   } else {

@@ -24,10 +24,11 @@ constexpr double kUsual_m = 2.0;                         // of gaze without verg
 constexpr double kLeastVergence_D = 0.2;                 // its points still count for places
 constexpr double kCone_rad = 0.0087, kCoverage = 0.5;    // half a degree, as focus.cone_deg
 constexpr double kElsewhere = 0.15, kFarStart = 0.5;     // of the distance
-constexpr double kBlock_s = 0.3, kErrors = 2.0, kSame = 0.02;
+constexpr std::size_t kMaxAlignedSights = 240;
+constexpr double kBlock_s = 0.3, kErrors = 2.0, kSame = 0.01;
 constexpr double kNear = 0.1, kNearYaw_deg = 5.0;  // steps to neighbours
-constexpr std::size_t kRoughSights = 32, kMiddleSights = 60, kFineSights = 120;
-constexpr std::size_t kEachGrid = 3, kStarts = 40, kFinalists = 6;
+constexpr std::size_t kRoughSights = 32, kMiddleSights = 60;
+constexpr std::size_t kEachGrid = 3, kStarts = 30, kFinalists = 4;
 constexpr double kGridStep = 0.3, kMostCells = 16.0;  // of the distance; along the longest side
 
 /// A yaw and a scale relative to those as it stands, and where the pivot lies in the scene.
@@ -51,16 +52,6 @@ double scoreOf(const Sight& sight, const std::optional<double>& met_m, double sc
   if (!sight.vergence_D) return 1.0;
   const double error = (1.0 / away_m - *sight.vergence_D) / sigma_D;
   return std::exp(-0.5 * error * error);
-}
-
-/// The error of vergence: of surfaces, and the noise between neighbouring samples.
-double sigmaOf_D(const std::vector<Sight>& sights, const std::vector<double>& steps_D) {
-  const bool any = std::ranges::any_of(sights, [](const Sight& s) { return s.vergence_D.has_value(); });
-  if (!any) return 0.0;
-  std::vector<double> steps = steps_D;
-  constexpr double kMadToSigma = 1.4826;
-  const double noise_D = steps.empty() ? 0.0 : kMadToSigma * quantile(steps, 0.5) / std::sqrt(2.0);
-  return std::hypot(kSurface_D, noise_D);
 }
 
 std::vector<Sight> someOf(const std::vector<Sight>& all, std::size_t most) {
@@ -182,23 +173,26 @@ class Search {
     const std::vector<Sight> some = someOf(sights_, kMiddleSights);
     parallelFor(found.size(), [&](std::size_t i) {
       const double step_m = 0.5 * stepOf_m(found[i].pose);
-      found[i] = climb(found[i].pose, some, rough, 0.4, {yaw_rad, 0.09, glm::dvec3(step_m)}, 4);
+      found[i] = climb(found[i].pose, some, rough, 0.4, {yaw_rad, 0.09, glm::dvec3(step_m)}, 4, 6);
       found[i] =
-          climb(found[i].pose, some, rough, 0.2, {yaw_rad / 4, 0.03, glm::dvec3(step_m / 4)}, 4);
+          climb(found[i].pose, some, rough, 0.2, {yaw_rad / 4, 0.03, glm::dvec3(step_m / 4)}, 4, 6);
     });
     found = elsewhere(std::move(found), kElsewhere, kFinalists);
     const glm::dquat stands(now_.rotation.w, now_.rotation.x, now_.rotation.y, now_.rotation.z);
     found.push_back(
         {{0.0, 0.0, now_.offset_m + now_.scale * (glm::normalize(stands) * pivot_m_)}, 0.0});
-    const std::vector<Sight> more = someOf(sights_, kFineSights);
     const Distance fine = [&](const glm::dvec3& o, const glm::dvec3& d) { return exact(o, d); };
     parallelFor(found.size(), [&](std::size_t i) {
       const Pose step{yaw_rad / 8, 0.02, glm::dvec3(voxels.cube_m())};
-      found[i] = climb(found[i].pose, more, fine, sigma_D_, step, 6);
+      found[i] = climb(found[i].pose, some, fine, sigma_D_, step, 4, 3);
     });
     std::vector<Pose> poses;
     for (const Scored& each : elsewhere(std::move(found), kElsewhere, kFinalists + 1)) {
       poses.push_back(each.pose);
+    }
+    if (!poses.empty()) {
+      const Pose step{yaw_rad / 16, 0.01, glm::dvec3(voxels.cube_m() / 2)};
+      poses[0] = climb(poses[0], sights_, fine, sigma_D_, step, 5, 6).pose;
     }
     return poses;
   }
@@ -274,8 +268,7 @@ class Search {
 
   /// Steps along one coordinate after another while the score rises; then half the step.
   Scored climb(Pose pose, const std::vector<Sight>& sights, const Distance& distance,
-               double sigma_D, Pose step, int halvings) const {
-    constexpr int kMostSweeps = 8;
+               double sigma_D, Pose step, int halvings, int sweeps) const {
     sigma_D = std::max(sigma_D, sigma_D_);
     double best = score(pose, sights, distance, sigma_D);
     const auto improve = [&](double& coordinate, double by) {
@@ -292,7 +285,7 @@ class Search {
     };
     for (int i = 0; i < halvings; ++i) {
       bool better = true;
-      for (int sweep = 0; better && sweep < kMostSweeps; ++sweep) {
+      for (int sweep = 0; better && sweep < sweeps; ++sweep) {
         better = improve(pose.yaw_rad, step.yaw_rad);
         better |= improve(pose.log_scale, step.log_scale);
         for (int axis = 0; axis < 3; ++axis) {
@@ -322,10 +315,11 @@ double probableDistance_m(const Sight& sight) {
   return sight.vergence_D ? 1.0 / std::max(*sight.vergence_D, kLeastVergence_D) : kUsual_m;
 }
 
-std::vector<Sight> sightsOf(const GazeTrace& trace, const Screen& screen, double ipd_m,
-                            std::size_t most) {
+RecordedSights sightsOf(const GazeTrace& trace, const Screen& screen, double ipd_m) {
   const glm::dvec3 eye_head_m = middleOfEyes_m(trace.samples);
   std::vector<Sight> all;
+  std::vector<double> steps_D;  // between neighbours
+  std::optional<double> before_D;
   for (const GazeSample& sample : trace.samples) {
     const auto direction = sightInWorld(sample, screen);
     if (!sample.head || !direction || sample.blink) continue;
@@ -337,9 +331,16 @@ std::vector<Sight> sightsOf(const GazeTrace& trace, const Screen& screen, double
         sight.vergence_D = vergence_D(rays->first, rays->second);
       }
     }
+    if (sight.vergence_D && before_D) steps_D.push_back(std::abs(*sight.vergence_D - *before_D));
+    before_D = sight.vergence_D;
     all.push_back(sight);
   }
-  return someOf(all, most);
+  RecordedSights sights{.sights = someOf(all, kMaxAlignedSights)};
+  constexpr double kMadToSigma = 1.4826;
+  if (!steps_D.empty()) {
+    sights.sigma_D = std::hypot(kSurface_D, kMadToSigma * quantile(steps_D, 0.5) / std::sqrt(2.0));
+  }
+  return sights;
 }
 
 AlignmentSearch::Verdict AlignmentSearch::verdict() const {
@@ -349,17 +350,12 @@ AlignmentSearch::Verdict AlignmentSearch::verdict() const {
   return flat || rivals > 0 ? Verdict::ambiguous : Verdict::propose;
 }
 
-AlignmentSearch searchAlignment(const SurfelCloud& cloud, const std::vector<Sight>& sights,
+AlignmentSearch searchAlignment(const SurfelCloud& cloud, const RecordedSights& looks,
                                 const SceneAlignment& now, const glm::dvec3& up,
                                 const AlignmentRange& range) {
-  std::vector<double> steps_D;
-  for (std::size_t i = 1; i < sights.size(); ++i) {
-    if (sights[i].vergence_D && sights[i - 1].vergence_D) {
-      steps_D.push_back(std::abs(*sights[i].vergence_D - *sights[i - 1].vergence_D));
-    }
-  }
   AlignmentSearch result;
-  result.sigma_D = sigmaOf_D(sights, steps_D);
+  result.sigma_D = looks.sigma_D;
+  const std::vector<Sight>& sights = looks.sights;
   const Search search(cloud, sights, now, up, result.sigma_D);
   result.now = search.fitOf(now);
   result.best = result.now;

@@ -20,12 +20,15 @@ struct Sight {
   std::optional<double> vergence_D = {};  ///< of both eyes
 };
 
-inline constexpr std::size_t kMaxAlignedSights = 240;
+struct RecordedSights {
+  std::vector<Sight> sights;
+  double sigma_D = 0.0;  ///< error of vergence against surfaces; 0: there is no vergence
+};
 
-/// Sights at even steps of the samples that have gaze and head.
+/// At most 240 sights, at even steps of the samples that have gaze and head. The error is 0.1 D, as
+/// `vergenceDisagrees` has it, together with the noise between neighbouring samples.
 /// @param ipd_m  where the recording has no origins of the eyes
-std::vector<Sight> sightsOf(const GazeTrace& trace, const Screen& screen, double ipd_m,
-                            std::size_t most = kMaxAlignedSights);
+RecordedSights sightsOf(const GazeTrace& trace, const Screen& screen, double ipd_m);
 
 /// How far away gaze probably was, metres of the recording: by vergence, at most 5 m; else 2 m.
 double probableDistance_m(const Sight& sight);
@@ -75,13 +78,13 @@ struct AlignmentRange {
 /// of these step by step, at last in the scene itself (`SurfaceQuery`).
 ///
 /// Two poses do as well if the mean difference of their scores, over blocks of 0.3 s, is below two
-/// standard errors, or below 0.02. A pose is elsewhere if it moves what is looked at by more than
+/// standard errors, or below 0.01. A pose is elsewhere if it moves what is looked at by more than
 /// 15 % of its distance.
-/// @param sights  not empty
+/// @param looks   not empty
 /// @param now     as it stands. If it turns the recording's y axis to another direction than `up`,
 ///                the proposals turn it to `up`
 /// @param up      unit, of the scene
-AlignmentSearch searchAlignment(const SurfelCloud& cloud, const std::vector<Sight>& sights,
+AlignmentSearch searchAlignment(const SurfelCloud& cloud, const RecordedSights& looks,
                                 const SceneAlignment& now, const glm::dvec3& up,
                                 const AlignmentRange& range = {});
 

@@ -78,10 +78,11 @@ RenderedFrame& ReplayedEye::seeKept(std::size_t frame, SeenFrame& seen) {
   return rendered;
 }
 
-void ReplayedEye::pass(std::size_t frame) {
+FrameRecord ReplayedEye::pass(std::size_t frame) {
   FrameRecord record = look(gaze_.schedule.time_s(frame), gaze_.schedule.known_s(frame));
   requireParts(frame);
   session_.pass(methodOf(frame), record);
+  return record;
 }
 
 void ReplayedEye::requireParts(std::size_t frame) const {

@@ -24,10 +24,12 @@
 namespace foci {
 namespace {
 
-std::string stateMark(GazeState state) {
-  return std::string("<span class=\"state\" aria-hidden=\"true\" style=\"background:") +
-         colorOf(state) + "\"></span>";
+std::string colorMark(const char* color) {
+  return std::string("<span class=\"state\" aria-hidden=\"true\" style=\"background:") + color +
+         "\"></span>";
 }
+
+std::string stateMark(GazeState state) { return colorMark(colorOf(state)); }
 
 std::string percent(double share) { return decimal(100.0 * share, 1) + "&thinsp;%"; }
 
@@ -183,12 +185,13 @@ std::string dataLossText(const ReportFacts& facts) {
          "the focus stays.</p>\n";
 }
 
-std::string legend(const std::vector<RunMark>& marks) {
+std::string legend(const std::vector<RunMark>& marks, bool pauses) {
   std::string html = "<p class=\"legend\">";
   for (const GazeState state : {GazeState::saccade, GazeState::pursuit, GazeState::blink,
                                 GazeState::lost, GazeState::unjudged}) {
     html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
   }
+  if (pauses) html += "<span>" + colorMark(kPauseColor) + "pause of the recording</span>";
   html += "<span>plain ground: fixation</span>";
   if (!marks.empty()) {
     html += "<span>solid line: event marker</span><span>dashed line: changed setting</span>";
@@ -331,7 +334,7 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
                         const MethodsText& methods) {
   const Study& study = facts.run.start;
   const std::vector<RunMark> marks = marksOf(facts.run);
-  const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks);
+  const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks, facts.pauses);
   std::ofstream out(file, std::ios::binary);
   out << pageStart(nameOfRun(study, trace) + " - foci replay",
                    std::string(kExplorerStyle) + kSceneStyle)
@@ -350,7 +353,8 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
   heatSection(out, facts);
   out << "<h2 id=\"time\">Over time</h2>\n";
   if (charts.image) {
-    out << legend(marks) << "<div id=\"charts\">" << *charts.image << "</div>\n";
+    out << legend(marks, !facts.pauses.empty()) << "<div id=\"charts\">" << *charts.image
+        << "</div>\n";
   } else {
     out << "<p class=\"notice\">No charts: " << escaped(charts.problem) << ".</p>\n";
   }
