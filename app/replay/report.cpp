@@ -245,8 +245,9 @@ void contactSheet(std::ostream& out, const ReportFacts& facts) {
     out << "<figure class=\"seek\" data-at=\"" << decimal(image.time_s, 4) << "\" data-trial=\""
         << escaped(trialAt(facts.trials, image.time_s)) << "\"><img alt=\"frame at "
         << decimal(image.time_s, 2) << " s\" src=\"" << jpegUri(image.jpeg) << "\"><figcaption>"
-        << stateMark(image.state) << nameOf(image.state) << " &middot; " << decimal(image.time_s, 2)
-        << " s<br>focus " << decimal(image.focus_D, 2) << " D, " << distanceText(image.focus_D);
+        << stateMark(image.state) << nameOf(image.state) << " &middot; <span data-time=\""
+        << decimal(image.time_s, 2) << "\">" << decimal(image.time_s, 2) << "</span> s<br>focus "
+        << decimal(image.focus_D, 2) << " D, " << distanceText(image.focus_D);
     if (image.surface_distance_m) {
       out << " &middot; surface " << decimal(*image.surface_distance_m, 2) << " m";
     }
@@ -358,16 +359,16 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
   } else {
     out << "<p class=\"notice\">No charts: " << escaped(charts.problem) << ".</p>\n";
   }
-  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
-         "the recording's clock.</p>\n"
-      << marksTable(marks) << dataLossText(facts)
+  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; under the "
+         "pointer also in degrees from its centre, to the right and upwards.</p>\n"
+      << clockChoice() << marksTable(marks) << dataLossText(facts)
       << "<h2 id=\"fixations\">Fixations</h2>\n<p class=\"quiet\">A click on a row, on a frame of "
          "the contact sheet or on the charts moves the video there.</p>\n"
       << fixationRows(facts.fixations) << tableLinks() << methodsSection(methods)
       << configuration(study, !facts.run.changes.empty()) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads") << ", rendered on " << escaped(facts.device)
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
-      << explorerScript(facts.rows);
+      << explorerScript(facts.rows, study.screenInForce());
   if (facts.scene) writeSceneScript(out, *facts.scene, first_s);
   out << kPageEnd;
   out.close();
