@@ -3,6 +3,7 @@
 
 #include "base/input_error.h"
 #include "python/bindings.h"
+#include "python/study.h"
 #include "render/literature/literature.h"
 #include "render/methods/method.h"
 
@@ -85,6 +86,7 @@ PYBIND11_MODULE(_foci, module) {
   foci::bindRecordings(module);
   foci::bindCalibration(module);
   foci::bindSession(module);
+  foci::bindStudy(module);
   module.def("set_threads", &foci::setThreads, py::arg("threads"),
              "Let foci use at most this many threads. The images do not depend on the number.");
   module.def("methods", &foci::methodNames, "The names of all depth-of-field methods.");

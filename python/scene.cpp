@@ -5,10 +5,13 @@
 #include <span>
 #include <utility>
 
+#include "app/study/study.h"
+#include "app/study/view_remarks.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "python/bindings.h"
 #include "python/eye.h"
+#include "python/study.h"
 #include "render/scene/estimation/estimate.h"
 
 namespace py = pybind11;
@@ -107,8 +110,20 @@ EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
     inRange("gaze_px[1]", (*gaze_px)[1], 0.0, screen.size_px.y);
     point_px = vectorOf(*gaze_px);
   }
-  const py::gil_scoped_release released;
-  return scene.render(settings, point_px, depth);
+  EyeImage image;
+  {
+    const py::gil_scoped_release released;
+    image = scene.render(settings, point_px, depth);
+  }
+  const auto& rgba = image.rendered->frame.rgba;
+  if (std::ranges::all_of(rgba, [](const glm::vec4& pixel) { return pixel.a <= 0.0f; })) {
+    Study study;
+    study.eye.position_m = eye.position_m;
+    study.eye.look_at_m = eye.look_at_m;
+    study.eye.up = eye.up;
+    for (const std::string& remark : viewRemarks(study, scene.cloud())) warn(remark);
+  }
+  return image;
 }
 
 }  // namespace

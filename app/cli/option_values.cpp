@@ -11,16 +11,6 @@
 
 namespace foci {
 
-glm::dvec2 pairOf(const std::string& option, const std::string& text, char between,
-                  const std::string& expected) {
-  const std::size_t at = text.find(between);
-  const auto first = parseNumber(std::string_view(text).substr(0, at));
-  const auto second =
-      at == std::string::npos ? std::nullopt : parseNumber(std::string_view(text).substr(at + 1));
-  if (!first || !second) throw InputError(option + " " + text, "expected " + expected);
-  return {*first, *second};
-}
-
 double vergenceOf_D(const std::string& option, const std::string& text) {
   constexpr double kNearestFocus_m = 0.01;  // nearer than any eye accommodates
   const auto distance_m = text == "inf" ? std::optional(HUGE_VAL) : parseNumber(text);

@@ -10,13 +10,6 @@ class App;
 
 namespace foci {
 
-/// Two finite numbers with one character between them: "1280x720", "2:8.5", "960,540".
-/// @param option    as the user types it, for the message
-/// @param expected  the end of the message
-/// @throws InputError
-glm::dvec2 pairOf(const std::string& option, const std::string& text, char between,
-                  const std::string& expected);
-
 /// A distance as dioptres: metres, 0.01 or more, or "inf". @throws InputError
 double vergenceOf_D(const std::string& option, const std::string& text);
 

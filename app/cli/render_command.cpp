@@ -14,6 +14,7 @@
 #include "app/platform/output_files.h"
 #include "app/replay/render_image.h"
 #include "app/study/inputs.h"
+#include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/line_reader.h"

@@ -7,6 +7,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
+#include "app/cli/trace_alignment.h"
 #include "app/cli/trace_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
@@ -26,6 +27,7 @@ namespace {
 struct Options : TraceOptions {
   std::string file{}, out{};
   bool json = false, overwrite = false;
+  AlignmentOptions alignment{};
 };
 
 /// Without the last digits, which come from arithmetic on doubles.
@@ -188,7 +190,11 @@ void showTrace(const Options& options) {
   const TraceHeader header = streamTrace(options.file, description.columns, description.screen,
                                          [&](const GazeSample& sample) { summary.add(sample); });
   requireSamples(options, summary);
-  printFacts(header, summary, options.json);
+  if (options.alignment.scene.empty()) {
+    printFacts(header, summary, options.json);
+  } else {
+    showAlignment(options.file, options, options.alignment, options.json);
+  }
 }
 
 /// The files that describe the whole task: those that are not there yet, and so cannot state
@@ -281,6 +287,7 @@ void addTraceCommand(CLI::App& app) {
               "Show format, rate, duration, eyes, data loss and clock jumps, and what was assumed.")
           ->alias("INFO");
   addOptions(*facts, *options);
+  addAlignmentOptions(*facts, options->alignment);
   facts->callback([options] { withTraceHints(*options, [&] { showTrace(*options); }); });
   CLI::App* conversion = trace->add_subcommand(
       "convert",

@@ -4,6 +4,7 @@
 
 #include "app/cli/option_values.h"
 #include "app/study/study.h"
+#include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"
 

@@ -1,13 +1,25 @@
 #include "app/platform/warnings.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 
+#include "app/platform/listener.h"
 #include "base/text.h"
 
 namespace foci {
 
-void say(const std::string& text) { std::fprintf(stderr, "foci: %s\n", visible(text).c_str()); }
+namespace {
+
+void print(const std::string& text) { std::fprintf(stderr, "foci: %s\n", visible(text).c_str()); }
+
+std::atomic<void (*)(const std::string&)> listening = print;
+
+}  // namespace
+
+void say(const std::string& text) { listening.load()(text); }
+
+void sayTo(void (*listener)(const std::string& text)) { listening = listener; }
 
 bool Warnings::keep(const std::string& text) {
   if (std::find(all_.begin(), all_.end(), text) != all_.end()) return false;

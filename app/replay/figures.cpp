@@ -308,6 +308,17 @@ GnuplotChart timeSeriesFigure(const FigureStyle& style, const FigureRun& run) {
   return timeFigure(style, series.rows(), run.screen.size_px, {}, false);
 }
 
+/// A round whole number, so that the axis has at most a dozen numbers of fixations.
+std::size_t numberStep(const std::vector<RunFixation>& fixations) {
+  constexpr std::size_t kMostTicks = 12;
+  const std::size_t span = fixations.back().number - fixations.front().number + 1;
+  std::size_t step = 1;
+  for (std::size_t i = 0; step * kMostTicks < span; ++i) {
+    step = i % 3 == 1 ? step / 2 * 5 : 2 * step;  // 1, 2, 5, 10, ...
+  }
+  return step;
+}
+
 /// Focus against surface, and the blur between them, at each fixation.
 GnuplotChart focusFigure(const FigureStyle& style, const FigureRun& run) {
   std::string rows;
@@ -320,9 +331,10 @@ GnuplotChart focusFigure(const FigureStyle& style, const FigureRun& run) {
   }
   if (rows.empty()) throw InputError("the run has no fixations");
   const std::string first = std::to_string(run.fixations.front().number);
-  const std::string script = figureHead(style) + "$fixations << END\n" + rows +
-                             "END\nset xrange [" + first +
-                             " - 0.7:" + std::to_string(run.fixations.back().number) + " + 0.7]\n";
+  const std::string script =
+      figureHead(style) + "$fixations << END\n" + rows + "END\nset xrange [" + first +
+      " - 0.7:" + std::to_string(run.fixations.back().number) + " + 0.7]\nset xtics " +
+      std::to_string(numberStep(run.fixations)) + "\n";
   const auto points = [&](int column, int type, const char* color, const char* title) {
     return ", $fixations using 1:" + std::to_string(column) + " with points pointtype " +
            std::to_string(type) + " linewidth " + style.line(0.8) + " pointsize " +

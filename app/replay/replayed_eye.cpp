@@ -60,7 +60,8 @@ void ReplayedEye::requireSceneInView(const SurfelCloud& cloud) const {
   }
   throw InputError(study_.gaze.source,
                    "the recorded head never has the scene in view: expected a recording made in "
-                   "this scene; state scene.scale_m, gaze.scene_rotation and gaze.scene_offset_m");
+                   "this scene; state scene.scale_m, gaze.scene_rotation and gaze.scene_offset_m, "
+                   "which foci trace info RECORDING --scene SCENE may find");
 }
 
 const Frame& ReplayedEye::see(std::size_t frame, SeenFrame& seen) {
@@ -77,10 +78,11 @@ RenderedFrame& ReplayedEye::seeKept(std::size_t frame, SeenFrame& seen) {
   return rendered;
 }
 
-void ReplayedEye::pass(std::size_t frame) {
+FrameRecord ReplayedEye::pass(std::size_t frame) {
   FrameRecord record = look(gaze_.schedule.time_s(frame), gaze_.schedule.known_s(frame));
   requireParts(frame);
   session_.pass(methodOf(frame), record);
+  return record;
 }
 
 void ReplayedEye::requireParts(std::size_t frame) const {

@@ -36,7 +36,7 @@ class ReplayedEye {
 
   /// Looks at a frame without rendering it. The frames after it are as if it had been rendered.
   /// @throws InputError as `requireParts`
-  void pass(std::size_t frame);
+  FrameRecord pass(std::size_t frame);
 
   /// @throws InputError if a frame depends on more than the requests before it: on the time that
   /// they took, or on their pixels

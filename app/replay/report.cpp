@@ -24,10 +24,12 @@
 namespace foci {
 namespace {
 
-std::string stateMark(GazeState state) {
-  return std::string("<span class=\"state\" aria-hidden=\"true\" style=\"background:") +
-         colorOf(state) + "\"></span>";
+std::string colorMark(const char* color) {
+  return std::string("<span class=\"state\" aria-hidden=\"true\" style=\"background:") + color +
+         "\"></span>";
 }
+
+std::string stateMark(GazeState state) { return colorMark(colorOf(state)); }
 
 std::string percent(double share) { return decimal(100.0 * share, 1) + "&thinsp;%"; }
 
@@ -183,12 +185,13 @@ std::string dataLossText(const ReportFacts& facts) {
          "the focus stays.</p>\n";
 }
 
-std::string legend(const std::vector<RunMark>& marks) {
+std::string legend(const std::vector<RunMark>& marks, bool pauses) {
   std::string html = "<p class=\"legend\">";
   for (const GazeState state : {GazeState::saccade, GazeState::pursuit, GazeState::blink,
                                 GazeState::lost, GazeState::unjudged}) {
     html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
   }
+  if (pauses) html += "<span>" + colorMark(kPauseColor) + "pause of the recording</span>";
   html += "<span>plain ground: fixation</span>";
   if (!marks.empty()) {
     html += "<span>solid line: event marker</span><span>dashed line: changed setting</span>";
@@ -242,8 +245,9 @@ void contactSheet(std::ostream& out, const ReportFacts& facts) {
     out << "<figure class=\"seek\" data-at=\"" << decimal(image.time_s, 4) << "\" data-trial=\""
         << escaped(trialAt(facts.trials, image.time_s)) << "\"><img alt=\"frame at "
         << decimal(image.time_s, 2) << " s\" src=\"" << jpegUri(image.jpeg) << "\"><figcaption>"
-        << stateMark(image.state) << nameOf(image.state) << " &middot; " << decimal(image.time_s, 2)
-        << " s<br>focus " << decimal(image.focus_D, 2) << " D, " << distanceText(image.focus_D);
+        << stateMark(image.state) << nameOf(image.state) << " &middot; <span data-time=\""
+        << decimal(image.time_s, 2) << "\">" << decimal(image.time_s, 2) << "</span> s<br>focus "
+        << decimal(image.focus_D, 2) << " D, " << distanceText(image.focus_D);
     if (image.surface_distance_m) {
       out << " &middot; surface " << decimal(*image.surface_distance_m, 2) << " m";
     }
@@ -331,7 +335,7 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
                         const MethodsText& methods) {
   const Study& study = facts.run.start;
   const std::vector<RunMark> marks = marksOf(facts.run);
-  const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks);
+  const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks, facts.pauses);
   std::ofstream out(file, std::ios::binary);
   out << pageStart(nameOfRun(study, trace) + " - foci replay",
                    std::string(kExplorerStyle) + kSceneStyle)
@@ -350,20 +354,21 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
   heatSection(out, facts);
   out << "<h2 id=\"time\">Over time</h2>\n";
   if (charts.image) {
-    out << legend(marks) << "<div id=\"charts\">" << *charts.image << "</div>\n";
+    out << legend(marks, !facts.pauses.empty()) << "<div id=\"charts\">" << *charts.image
+        << "</div>\n";
   } else {
     out << "<p class=\"notice\">No charts: " << escaped(charts.problem) << ".</p>\n";
   }
-  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
-         "the recording's clock.</p>\n"
-      << marksTable(marks) << dataLossText(facts)
+  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; under the "
+         "pointer also in degrees from its centre, to the right and upwards.</p>\n"
+      << clockChoice() << marksTable(marks) << dataLossText(facts)
       << "<h2 id=\"fixations\">Fixations</h2>\n<p class=\"quiet\">A click on a row, on a frame of "
          "the contact sheet or on the charts moves the video there.</p>\n"
       << fixationRows(facts.fixations) << tableLinks() << methodsSection(methods)
       << configuration(study, !facts.run.changes.empty()) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads") << ", rendered on " << escaped(facts.device)
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
-      << explorerScript(facts.rows);
+      << explorerScript(facts.rows, study.screenInForce());
   if (facts.scene) writeSceneScript(out, *facts.scene, first_s);
   out << kPageEnd;
   out.close();

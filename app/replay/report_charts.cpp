@@ -29,17 +29,30 @@ std::string dataBlock(const std::vector<ChartRow>& rows) {
 }
 
 /// The state of each stretch of time, as filled rectangles behind every panel.
-std::string stateBand(const std::vector<ChartRow>& rows) {
+std::string stateBand(const std::vector<ChartRow>& rows,
+                      const std::vector<RecordingPause>& pauses) {
   std::string text;
+  const auto band = [&](double from_s, double to_s, const char* color) {
+    text += "set object rectangle from " + decimal(from_s, 4) + ", graph 0 to " +
+            decimal(std::max(to_s, from_s + 1e-4), 4) +
+            ", graph 1 behind fillstyle solid 0.22 noborder fillcolor rgb '" + color + "'\n";
+  };
+  for (const RecordingPause& pause : pauses) band(pause.from_s, pause.to_s, kPauseColor);
+  const auto isPaused = [&](double time_s) {
+    return std::ranges::any_of(pauses, [&](const RecordingPause& pause) {
+      return pause.from_s <= time_s && time_s < pause.to_s;
+    });
+  };
   std::size_t begin = 0;
   for (std::size_t i = 1; i <= rows.size(); ++i) {
-    if (i < rows.size() && rows[i].state == rows[begin].state) continue;
-    if (rows[begin].state != GazeState::fixation) {
-      const double end_s = i < rows.size() ? rows[i].time_s : rows.back().time_s;
-      text += "set object rectangle from " + decimal(rows[begin].time_s, 4) + ", graph 0 to " +
-              decimal(std::max(end_s, rows[begin].time_s + 1e-4), 4) +
-              ", graph 1 behind fillstyle solid 0.22 noborder fillcolor rgb '" +
-              colorOf(rows[begin].state) + "'\n";
+    const bool paused = isPaused(rows[begin].time_s);
+    if (i < rows.size() && rows[i].state == rows[begin].state &&
+        isPaused(rows[i].time_s) == paused) {
+      continue;
+    }
+    if (rows[begin].state != GazeState::fixation && !paused) {
+      band(rows[begin].time_s, i < rows.size() ? rows[i].time_s : rows.back().time_s,
+           colorOf(rows[begin].state));
     }
     begin = i;
   }
@@ -167,12 +180,13 @@ std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunM
 
 GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& rows,
                         const glm::ivec2& screen_px, const std::vector<RunMark>& marks,
-                        bool render_times) {
+                        bool render_times, const std::vector<RecordingPause>& pauses) {
   const double from_s = rows.front().time_s;
   const double to_s = std::max(rows.back().time_s, from_s + 1e-3);
   std::string no_labels;
   const std::string script = figureHead(style) + dataBlock(rows) + "set xrange [" +
-                             decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n" + stateBand(rows) +
+                             decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n" +
+                             stateBand(rows, pauses) +
                              markLines(style, marks, from_s, to_s, no_labels);
   const auto line = [&](int column, const char* title, const char* color, double width) {
     return "$frames using 1:" + std::to_string(column) + " with lines title '" + title +
@@ -220,8 +234,9 @@ FigureStyle reportStyle() {
 }
 
 GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
-                       const std::vector<RunMark>& marks) {
-  GnuplotChart chart = timeFigure(reportStyle(), rows, screen_px, marks, true);
+                       const std::vector<RunMark>& marks,
+                       const std::vector<RecordingPause>& pauses) {
+  GnuplotChart chart = timeFigure(reportStyle(), rows, screen_px, marks, true, pauses);
   if (!chart.image) return chart;
   // Not currentColor: gnuplot's groups set that to black.
   for (const char* drawn : {kTextColor, "rgb(  1,   2,   3)", "rgb(1,2,3)"}) {

@@ -28,21 +28,29 @@ class ChartSeries {
   std::size_t stride_ = 1, seen_ = 0;
 };
 
+/// A stretch of time in which nothing was recorded.
+struct RecordingPause {
+  double from_s, to_s;
+};
+inline constexpr const char* kPauseColor = "#4aa3b8";
+
 /// Gaze, focus, pupil and, if asked for, render time over time, over bands that show the gaze
 /// state. Event markers and changes are lines through all panels, numbered at the top.
 /// @param rows       not empty
 /// @param screen_px  range of the gaze axis
 /// @param marks      in order of time
+/// @param pauses     are no data loss, and have a colour of their own
 GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& rows,
                         const glm::ivec2& screen_px, const std::vector<RunMark>& marks,
-                        bool render_times);
+                        bool render_times, const std::vector<RecordingPause>& pauses = {});
 
 FigureStyle reportStyle();
 
 /// The figure in that style as an <svg> element for a page. Axes have the text colour of the page,
 /// so that one image serves light and dark pages.
 GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
-                       const std::vector<RunMark>& marks);
+                       const std::vector<RunMark>& marks,
+                       const std::vector<RecordingPause>& pauses = {});
 
 /// What the charts show, in sentences.
 std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks,

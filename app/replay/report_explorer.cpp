@@ -8,6 +8,7 @@
 
 #include "app/graphics/html.h"
 #include "base/text.h"
+#include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 namespace {
@@ -30,6 +31,18 @@ function tell(event, text) {
   tip.style.left = Math.min(event.clientX + 14, innerWidth - tip.offsetWidth - 8) + 'px';
   tip.style.top = event.clientY + 14 + 'px';
 }
+const timed = document.getElementById('timed');
+const timeShown = time => timed.value === 'zero' ? time - run.first : time;
+const ticks = chart ? [...chart.querySelectorAll('text')].filter(one => one.textContent.trim() !== '' &&
+    !isNaN(one.textContent)).map(one => ({ word: one.querySelector('tspan') ?? one, value: +one.textContent,
+    low: one.getBoundingClientRect().bottom })) : [];
+const lowestTick = Math.max(...ticks.map(one => one.low));
+timed.onchange = () => {
+  for (const one of ticks) if (one.low > lowestTick - 3) one.word.textContent = +timeShown(one.value).toFixed(3);
+  for (const one of document.querySelectorAll('[data-time]')) {
+    one.textContent = timeShown(+one.dataset.time).toFixed((one.dataset.time.split('.')[1] || '').length);
+  }
+};
 function xOf(time) {
   const share = Math.min(1, Math.max(0, (time - from) / (to - from)));
   return chart.viewBox.baseVal.width * (run.left + (run.right - run.left) * share);
@@ -70,7 +83,8 @@ if (chart) {
   chart.onmousemove = event => {
     const time = timeAt(event), after = run.rows.findIndex(one => one[0] >= time);
     const row = run.rows[after < 0 ? last : after];
-    tell(event, run.names.map((name, i) => name + ' ' + (row[i] === null ? 'n/a' : row[i])).join(', '));
+    const values = [+timeShown(row[0]).toFixed(3), ...row.slice(1)];
+    tell(event, run.names.map((name, i) => name + ' ' + (values[i] ?? 'n/a')).join(', '));
   };
 }
 )";
@@ -148,24 +162,36 @@ std::string fixationRows(const std::string& table) {
     html += "<tr class=\"seek\" data-trial=\"" + escaped(fields.at(at("trial"))) + "\" data-at=\"" +
             escaped(fields.at(at("onset_s"))) + "\">";
     for (const auto& [name, title] : kShown) {
-      html += "<td class=\"value\">" + escaped(fields.at(at(name))) + "</td>";
+      const std::string value = escaped(fields.at(at(name)));
+      html += "<td class=\"value\"";
+      if (name == kShown[2].first) html += " data-time=\"" + value + "\"";
+      html += ">" + value + "</td>";
     }
     html += "</tr>\n";
   }
   return html + "</table></div>\n";
 }
 
-std::string explorerScript(const std::vector<ChartRow>& rows) {
+std::string clockChoice() {
+  return "<p><label>Time <select id=\"timed\"><option value=\"own\">on the recording's "
+         "clock</option>"
+         "<option value=\"zero\">from zero</option></select></label></p>\n";
+}
+
+std::string explorerScript(const std::vector<ChartRow>& rows, const Screen& screen) {
+  const glm::dvec2 center_deg = eccentricity_deg(screen, 0.5 * glm::dvec2(screen.size_px));
   const glm::dvec2 sides = panelSides(reportStyle());
-  std::string text =
-      "<p id=\"tip\" hidden></p>\n<script>\nconst run = {first: " +
-      decimal(rows.front().time_s, 6) + ", left: " + decimal(sides.x, 5) +
-      ", right: " + decimal(sides.y, 5) +
-      ",\nnames: ['time, s', 'x, px', 'y, px', 'surface, D', 'focus, D', 'pupil, mm'],\nrows: [";
+  std::string text = "<p id=\"tip\" hidden></p>\n<script>\nconst run = {first: " +
+                     decimal(rows.front().time_s, 6) + ", left: " + decimal(sides.x, 5) +
+                     ", right: " + decimal(sides.y, 5) +
+                     ",\nnames: ['time, s', 'x, px', 'y, px', 'x, deg', 'y, deg', 'surface, D', "
+                     "'focus, D', 'pupil, mm'],\nrows: [";
   for (const ChartRow& row : rows) {
+    const glm::dvec2 deg = eccentricity_deg(screen, {row.gaze_x_px, row.gaze_y_px}) - center_deg;
     text += "[" + json(row.time_s, 3) + "," + json(row.gaze_x_px, 0) + "," +
-            json(row.gaze_y_px, 0) + "," + json(row.surface_D, 2) + "," + json(row.focus_D, 2) +
-            "," + json(row.pupil_mm, 2) + "],";
+            json(row.gaze_y_px, 0) + "," + json(deg.x, 2) + "," + json(deg.y, 2) + "," +
+            json(row.surface_D, 2) + "," + json(row.focus_D, 2) + "," + json(row.pupil_mm, 2) +
+            "],";
   }
   return text + "]};\n" + kScript + "</script>\n";
 }

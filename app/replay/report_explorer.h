@@ -20,7 +20,12 @@ std::string trialChoice(const std::vector<TraceTrial>& trials);
 std::string fixationRows(const std::string& table);
 
 /// The script, with the values of the charts: numbers alone, so that no name can be a command.
-/// @param rows  the run's frames; the first is the video's first
-std::string explorerScript(const std::vector<ChartRow>& rows);
+/// @param rows    the run's frames; the first is the video's first
+/// @param screen  of their points
+std::string explorerScript(const std::vector<ChartRow>& rows, const Screen& screen);
+
+/// The choice of the recording's clock or time from zero, for charts and for elements with
+/// `data-time`.
+std::string clockChoice();
 
 }  // namespace foci

@@ -28,10 +28,14 @@ constexpr const char *kImage = "frame-", *kImageEnd = ".png";  // the frame's nu
 /// Counts the samples of the replayed time, and those without a gaze point.
 void countDataLoss(const GazeTrace& trace, const Schedule& schedule, ReportFacts& facts) {
   const double end_s = schedule.end_s();
-  std::optional<double> absent_since_s;
+  std::optional<double> absent_since_s, before_s;
   for (const GazeSample& sample : trace.samples) {
     if (sample.time_s < schedule.first_s || sample.time_s > end_s) continue;
-    if (sample.after_pause) absent_since_s.reset();
+    if (sample.after_pause) {
+      absent_since_s.reset();
+      if (before_s) facts.pauses.push_back({*before_s, sample.time_s});
+    }
+    before_s = sample.time_s;
     ++facts.samples;
     facts.samples_blink += sample.blink;
     if (sample.point_px) {

@@ -99,6 +99,17 @@ std::string fixationsOn(const Paper& paper, const std::vector<SceneView::Fixatio
          circles + "</g>";
 }
 
+std::string linesOn(const Paper& paper, const std::vector<SightLine>& lines) {
+  std::string met, unmet;
+  for (const SightLine& line : lines) {
+    (line.met ? met : unmet) += "<line" + xy("x1", "y1", paper.at_px(glm::vec3(line.eye_m))) +
+                                xy("x2", "y2", paper.at_px(glm::vec3(line.end_m))) + "/>";
+  }
+  return "<g stroke=\"#8a4a00\" stroke-opacity=\".4\">" + met +
+         "</g><g stroke=\"#b00020\" stroke-opacity=\".4\" stroke-dasharray=\"5 4\">" + unmet +
+         "</g>";
+}
+
 /// The length of a round number of metres.
 std::string scaleBar(const Paper& paper) {
   const double widest_m = 0.25 * paper.size_px.x / double{paper.px_per_m};
@@ -116,6 +127,10 @@ std::string scaleBar(const Paper& paper) {
 
 }  // namespace
 
+glm::ivec2 scenePlanSize_px(const SceneView& view, SceneSide from) {
+  return Paper(view, from).size_px;
+}
+
 std::string scenePlanSvg(const SceneView& view, SceneSide from) {
   const Paper paper(view, from);
   std::string path;
@@ -125,7 +140,7 @@ std::string scenePlanSvg(const SceneView& view, SceneSide from) {
                 paper.size_px.x, " ", paper.size_px.y, "\" role=\"img\" aria-label=\"",
                 from == SceneSide::above ? "plan" : "side view", " of the scene, with ",
                 counted(view.fixations.size(), "fixation"), "\"><image width=", size, " href=\"",
-                jpegUri(jpegOf(imageOn(paper, view.points))), "\"/>",
+                jpegUri(jpegOf(imageOn(paper, view.points))), "\"/>", linesOn(paper, view.lines),
                 fixationsOn(paper, view.fixations),
                 "<polyline fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"2\" points=\"", path,
                 "\"/><circle fill=\"#1f5fa8\" r=\"5\"",

@@ -1,6 +1,7 @@
 // Plan and side view of a run's scene, for paper.
 #pragma once
 
+#include <glm/glm.hpp>
 #include <string>
 
 #include "app/replay/scene_view.h"
@@ -13,5 +14,6 @@ enum class SceneSide { above, right };
 /// on it the path of the eye, lines of sight, and numbered fixations; the observer looks to the
 /// right. Both sides have one scale.
 std::string scenePlanSvg(const SceneView& view, SceneSide from);
+glm::ivec2 scenePlanSize_px(const SceneView& view, SceneSide from);
 
 }  // namespace foci

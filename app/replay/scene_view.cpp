@@ -5,15 +5,16 @@
 #include <cstdint>
 #include <limits>
 
+#include "app/replay/scene_voxels.h"
+#include "app/study/framing.h"
 #include "render/image/srgb.h"
 #include "render/scene/gaussian_cloud.h"
 
 namespace foci {
 namespace {
 
-constexpr float kLeastOpacity = 0.3f;  // what is fainter would hide surfaces
-constexpr float kReach = 8.0f;         // points shown, over the extent of eyes and points met
-constexpr double kOutliers = 0.02;     // share of the samples beyond each side of the box
+constexpr float kReach = 8.0f;      // points shown, over the extent of eyes and points met
+constexpr double kOutliers = 0.02;  // share of the samples beyond each side of the box
 constexpr std::uint64_t kGoldenFraction = 0x9e3779b97f4a7c15;  // of 2^64
 constexpr float kLeastExtent = 0.05f;  // of a side of the box, over its longest
 
@@ -28,14 +29,11 @@ glm::dmat3 axesOf(const glm::dvec3& sight, const glm::dvec3& up) {
 
 SceneView::Point pointOf(const SurfelCloud& cloud, std::size_t i) {
   SceneView::Point point{};
+  point.radius_m = coveringRadius_m(cloud, i);
   glm::vec3 code;
   if (cloud.gaussians) {
-    const Covariance3& variance = cloud.gaussians->covariance_m2[i];
-    point.radius_m =
-        std::sqrt((variance.xx + variance.yy + variance.zz) / 2.0f);  // flat: its sigma
     code = glm::clamp(cloud.gaussians->color[i], 0.0f, 1.0f);
   } else {
-    point.radius_m = std::sqrt(cloud.area_m2[i] / 2.0f);  // half the diagonal of its square
     for (int c = 0; c < 3; ++c) code[c] = srgbFromLinear(cloud.color[i][c]);
   }
   point.color = glm::u8vec3(glm::round(255.0f * code));
@@ -47,15 +45,11 @@ SceneView::Point pointOf(const SurfelCloud& cloud, std::size_t i) {
 void choosePoints(const SurfelCloud& cloud, const glm::dvec3& origin_m, const glm::dmat3& axes,
                   SceneView& view) {
   const auto positions_m = positionsOf(cloud);
-  const auto opacityOf = [&](std::size_t i) {
-    if (cloud.gaussians) return cloud.gaussians->opacity[i];
-    return cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
-  };
   const auto placeOf = [&](std::size_t i) -> std::optional<glm::vec3> {
     const glm::vec3 at_m((glm::dvec3(positions_m[i]) - origin_m) * axes);
     const glm::vec3 away_m = glm::abs(at_m);
     if (!(std::max({away_m.x, away_m.y, away_m.z}) <= view.reach_m)) return {};
-    return opacityOf(i) < kLeastOpacity ? std::nullopt : std::optional(at_m);
+    return opacityOf(cloud, i) < kLeastOpacity ? std::nullopt : std::optional(at_m);
   };
   view.points_all = positions_m.size();
   for (std::size_t i = 0; i < positions_m.size(); ++i) view.points_near += placeOf(i).has_value();
@@ -131,6 +125,34 @@ std::optional<SceneView> sceneViewOf(const SurfelCloud& cloud, const GazeInScene
   }
   boxAbout(places_m, view);
   choosePoints(cloud, origin_m, axes, view);
+  return view;
+}
+
+SceneView sceneViewOf(const SurfelCloud& cloud, const std::vector<SightLine>& lines,
+                      const glm::dvec3& up) {
+  const SceneBox box = boxWithoutStrays(positionsOf(cloud));
+  glm::dvec3 sight(0.0);
+  for (const SightLine& line : lines) sight += glm::normalize(line.end_m - line.eye_m);
+  const glm::dmat3 axes = axesOf(sight, up);
+  const auto inView = [&](const glm::dvec3& p) { return glm::vec3((p - box.middle()) * axes); };
+  SceneView view;
+  std::vector<glm::vec3> places_m;
+  for (const SightLine& line : lines) {
+    const glm::vec3 eye_m = inView(line.eye_m), end_m = inView(line.end_m);
+    view.lines.push_back({eye_m, end_m, line.met});
+    view.path.push_back({0.0, eye_m, end_m});
+    places_m.insert(places_m.end(), {eye_m, end_m});
+  }
+  boxAbout(places_m, view);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::bvec3 high(corner & 1, corner & 2, corner & 4);
+    const glm::vec3 at = inView(glm::mix(box.low, box.high, high));
+    view.low_m = glm::min(view.low_m, at);
+    view.high_m = glm::max(view.high_m, at);
+  }
+  const glm::vec3 reach_m = glm::max(glm::abs(view.low_m), glm::abs(view.high_m));
+  view.reach_m = std::max({reach_m.x, reach_m.y, reach_m.z});
+  choosePoints(cloud, box.middle(), axes, view);
   return view;
 }
 

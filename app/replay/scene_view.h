@@ -12,6 +12,12 @@
 
 namespace foci {
 
+/// A line of sight and its end.
+struct SightLine {
+  glm::dvec3 eye_m, end_m;
+  bool met;  ///< a surface, at the end
+};
+
 /// In metres; x to the right of the mean line of sight, y up, z towards the observer. The origin is
 /// the mean of the points that gaze met.
 struct SceneView {
@@ -36,11 +42,17 @@ struct SceneView {
   glm::vec3 low_m, high_m;    ///< box about nearly all eye positions and points met
   std::vector<Sight> path{};  ///< at most `kMaxSights` samples, in order of time
   std::vector<Fixation> fixations{};  ///< that met a surface
+  std::vector<SightLine> lines{};     ///< beside those of fixations
 };
 
 inline constexpr std::size_t kMaxViewPoints = 200'000, kMaxSights = 4000;
 
 /// @return absent if no gaze met the scene
 std::optional<SceneView> sceneViewOf(const SurfelCloud& cloud, const GazeInScene& gaze);
+
+/// A view of the whole scene with these lines, whether they meet it or not. The path follows them.
+/// @param lines  in the scene's world; not empty
+SceneView sceneViewOf(const SurfelCloud& cloud, const std::vector<SightLine>& lines,
+                      const glm::dvec3& up);
 
 }  // namespace foci

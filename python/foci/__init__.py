@@ -9,13 +9,15 @@ Lengths are metres, pupils millimetres, focus dioptres, gaze pixels from the scr
 InputError, a ValueError with one line.
 """
 
-from ._foci import (Eye, GazeMap, Image, InputError, Recording, Scene, Screen, Session, State, __version__, methods,
-                    render, set_threads)
+import numpy as _numpy
 
-__all__ = ["Eye", "GazeMap", "Image", "InputError", "Recording", "Scene", "Screen", "Session", "State", "events",
-           "methods", "render", "set_threads"]
+from ._foci import (Eye, GazeMap, Image, InputError, Recording, Replay, Scene, Screen, Session, State, Study,
+                    __version__, methods, render, set_threads)
 
-for _type in (Eye, GazeMap, Image, InputError, Recording, Scene, Screen, Session, State):
+__all__ = ["Eye", "GazeMap", "Image", "InputError", "Recording", "Replay", "Scene", "Screen", "Session", "State",
+           "Study", "events", "methods", "render", "set_threads"]
+
+for _type in (Eye, GazeMap, Image, InputError, Recording, Replay, Scene, Screen, Session, State, Study):
     _type.__module__ = "foci"  # what users import, and read in errors
 del _type
 
@@ -30,7 +32,10 @@ def _recording_events(self, *, as_frame=False, **settings):
     Returns a structured array with the fields kind, onset_s, duration_s, x_px, y_px, start_x_px, start_y_px,
     amplitude_deg, peak_velocity_deg_s, probability. A value that an event does not have is NaN.
     """
-    table = self._events(**settings)
+    return _table(self._events(**settings), as_frame)
+
+
+def _table(table, as_frame):
     if not as_frame:
         return table
     try:
@@ -49,3 +54,38 @@ def events(t, x, y, *, pupil_mm=None, screen=Screen(), rate_Hz=None, as_frame=Fa
     t: (N,), seconds, increasing. x, y: (N,), pixels of the screen; NaN stands for data loss.
     """
     return Recording(t, x, y, pupil_mm, screen, rate_Hz).events(as_frame=as_frame, **settings)
+
+
+_WORDS = {"recording", "subject", "session", "trial", "trial_type", "object", "from_object", "to_object", "gaze_state",
+          "event", "detector", "pupil_unit", "recorded_pupil_unit"}
+
+
+def _read(text):
+    """A TSV text as a structured array: words, and numbers, of which n/a is NaN."""
+    names, *rows = (line.split("\t") for line in text.splitlines())
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
+    types = [(name, f"U{max(map(len, column), default=1)}" if name in _WORDS else float)
+             for name, column in columns.items()]
+    table = _numpy.empty(len(rows), types)
+    for name, column in columns.items():
+        table[name] = column if name in _WORDS else [float("nan") if each == "n/a" else float(each) for each in column]
+    return table
+
+
+def _adds_table(name, what):
+    def method(self, *, as_frame=False):
+        return _table(_read(self._table(name)), as_frame)
+
+    method.__name__ = method.__qualname__ = name
+    method.__doc__ = f"""{what}
+
+    Returns a structured array with the columns of {name}.tsv (docs/outputs.md); as_frame: a pandas DataFrame.
+    """
+    setattr(Replay, name, method)
+
+
+_adds_table("events", "Fixations, saccades, pursuit, blinks and data loss.")
+_adds_table("fixations", "A row for each fixation: gaze, object, distance, focus, defocus, blur.")
+_adds_table("saccades", "A row for each saccade.")
+_adds_table("gaze3d", "A row for each sample: line of sight, and the point, distance and object that it meets.")
+_adds_table("objects", "A row for each object and trial: first look, dwell time, fixations, visits.")

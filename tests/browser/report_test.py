@@ -133,6 +133,11 @@ def click_through(browser, trials):
     row = place(browser, "tr.seek td", 0.5, 0.5)
     drag(browser, row, row)
     assert abs(time_s() - max(0, at)) < 1e-3, f"a fixation at {at} s moved the video to {time_s()} s"
+    browser.run("timed.value = 'zero'; timed.dispatchEvent(new Event('change'))")
+    zero = browser.run("+document.querySelector('tr.seek [data-time]').textContent")
+    assert abs(zero - at) < 1e-3, f"a fixation at {at} s stands at {zero} s"
+    axis = browser.run("ticks.filter(one => one.low > lowestTick - 3).map(one => +one.word.textContent)")
+    assert axis and 0 <= min(axis) <= max(axis) <= 5, f"the axis from zero has {axis}"
     browser.run("document.getElementById('heat-on').click()")
     assert browser.run(CANVAS) != before and browser.run("byId('heat-most').textContent > 0"), "no heat"
     assert trials == browser.run("picked ? picked.length - 1 : 0"), "the trials"

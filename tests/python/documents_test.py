@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import socket
 import subprocess
 import sys
@@ -53,11 +54,13 @@ class DocumentsTest(unittest.TestCase):
 
     def test_no_page_has_examples_that_are_not_run(self):
         self.assertEqual({page.name: len(blocks(page)) for page in PAGES if blocks(page)},
-                         {"python.md": 4, "experiments.md": 2})
+                         {"python.md": 5, "experiments.md": 2})
 
     @unittest.skipUnless(importlib.util.find_spec("pandas"), "pandas is not installed")
     def test_python_md(self):
         write_inputs(self.folder)
+        for name in ("study.toml", "scan.ply", "gaze.tsv"):
+            shutil.copy(ROOT / "configs/sample" / name, self.folder)
         t = 0.004 * np.arange(500)
         x, y = np.where(t < 1.0, 500.0, 1400.0), np.full(500, 540.0)
         target = np.array([(a, b) for a in (300.0, 960.0, 1600.0) for b in (200.0, 540.0, 900.0)])
@@ -72,6 +75,8 @@ class DocumentsTest(unittest.TestCase):
         offset_px = 20 * 0.5313 / 1920 / 0.6 * 0.67 / (0.38 / 1024)
         np.testing.assert_allclose(names["mapped"].x[0], 300.0 - offset_px, atol=0.05)
         self.assertEqual(len(names["states"]), 500)
+        self.assertEqual(names["frame"].shape, (180, 320, 3))
+        self.assertGreater(len(names["looks"]), 3)
 
     def test_commands_of_python_md(self):
         """The one-liners; the other commands build, or run what examples_test.py runs."""

@@ -90,5 +90,33 @@ TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
   EXPECT_GE(dashes(*svg), dashes(*plain) + 4);
 }
 
+TEST(ReportCharts, ShowPausesOfTheRecordingApartFromDataLoss) {
+  std::vector<ChartRow> rows;
+  for (int i = 0; i < 100; ++i) {
+    const bool is_lost = i >= 40 && i < 60;
+    rows.push_back({.time_s = 0.1 * i,
+                    .gaze_x_px = 10.0,
+                    .gaze_y_px = 50.0,
+                    .surface_D = 1.0,
+                    .target_D = 1.0,
+                    .focus_D = 1.0,
+                    .pupil_mm = 4.0,
+                    .render_ms = 7.0,
+                    .state = is_lost ? GazeState::lost : GazeState::fixation});
+  }
+  // gnuplot pads the numbers of a colour with blanks.
+  const std::string lost = "rgb(201,  74,  74)", pause = "rgb( 74, 163, 184)";
+  const auto has = [](const std::string& svg, const std::string& color) {
+    return svg.find(color) != std::string::npos;
+  };
+  const auto loss = chartsSvg(rows, {640, 480}, {}).image;
+  if (!loss) GTEST_SKIP() << "gnuplot is absent";
+  const auto paused = chartsSvg(rows, {640, 480}, {}, {{3.95, 6.05}}).image;
+  EXPECT_TRUE(has(*loss, lost));
+  EXPECT_FALSE(has(*loss, pause));
+  EXPECT_FALSE(has(*paused, lost));
+  EXPECT_TRUE(has(*paused, pause));
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci

@@ -1,0 +1,163 @@
+#include "app/cli/trace_alignment.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "app/cli/option_values.h"
+#include "app/cli/study_options.h"
+#include "app/platform/json_text.h"
+#include "app/platform/output_files.h"
+#include "app/replay/alignment.h"
+#include "app/replay/alignment_drawing.h"
+#include "app/study/inputs.h"
+#include "app/study/recorded_head.h"
+#include "app/study/scene_study.h"
+#include "base/input_error.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+Study alignedStudy(const std::string& recording, const TraceOptions& trace,
+                   const AlignmentOptions& options) {
+  Study study = trace.study.empty() ? studyOfScene(options.scene) : readStudy(trace.study);
+  if (!trace.study.empty() && !options.scene.empty()) {
+    overrideKey(study, "scene.file", options.scene, "--scene");
+  }
+  overrideKey(study, "gaze.source", recording, "the recording");
+  study.gaze.columns = descriptionOf(trace).columns;
+  if (!study.scene.file) throw InputError(trace.study, "has no scene.file: give --scene FILE");
+  return study;
+}
+
+/// The vertical: of Gaussians, whose files often do not say, and of a study that turns the
+/// recording, as the recording stands.
+UpAxis upOfScene(const Study& study, const SceneFacts& facts, const std::string& asked) {
+  if (const auto up = upOf(asked)) return *up;
+  const glm::dvec4& r = study.gaze.alignment.rotation;
+  const bool turned = glm::length(glm::dvec3(r)) > 1e-6;
+  if (!turned && facts.kind != SceneKind::gaussians) return upAxisOf(facts, boxOf(facts));
+  const glm::dvec3 y = glm::normalize(glm::dquat(r.w, r.x, r.y, r.z)) * glm::dvec3(0.0, 1.0, 0.0);
+  int axis = 0;
+  for (int i = 1; i < 3; ++i) axis = std::abs(y[i]) > std::abs(y[axis]) ? i : axis;
+  return {axis, y[axis] < 0.0, "as the recording stands; if not: --up AXIS"};
+}
+
+nlohmann::ordered_json jsonOf(const AlignmentFit& fit) {
+  const SceneAlignment& a = fit.alignment;
+  return {{"score", fit.score},
+          {"meets_surface", fit.met},
+          {"scene_rotation", {a.rotation.x, a.rotation.y, a.rotation.z, a.rotation.w}},
+          {"scene_scale", a.scale},
+          {"scene_offset_m", {a.offset_m.x, a.offset_m.y, a.offset_m.z}}};
+}
+
+std::string wordOf(AlignmentSearch::Verdict verdict) {
+  using Verdict = AlignmentSearch::Verdict;
+  switch (verdict) {
+    case Verdict::keep:
+      return "keep";
+    case Verdict::propose:
+      return "propose";
+    case Verdict::ambiguous:
+      return "ambiguous";
+    case Verdict::nothing_fits:
+      break;
+  }
+  return "nothing-fits";
+}
+
+nlohmann::ordered_json jsonOf(const AlignmentSearch& found) {
+  nlohmann::ordered_json json = {{"verdict", wordOf(found.verdict())},
+                                 {"as_it_stands", jsonOf(found.now)},
+                                 {"best", jsonOf(found.best)},
+                                 {"poses_as_good", found.rivals}};
+  if (found.sigma_D > 0.0) json["vergence_error_D"] = found.sigma_D;
+  if (found.rival) json["second_best"] = jsonOf(*found.rival);
+  for (const AlignmentNeighbour& each : found.neighbours) json["drop"][each.step] = each.drop;
+  return json;
+}
+
+std::string fitText(const AlignmentFit& fit) {
+  return "score " + decimal(fit.score, 3) + "; " + decimal(100.0 * fit.met, 0) +
+         " % of the gaze meets a surface";
+}
+
+void print(const AlignmentSearch& found, const Study& study, const std::string& up,
+           const std::string& out) {
+  const auto line = [](const char* name, const std::string& text) {
+    std::printf("%-15s %s\n", name, visible(text).c_str());
+  };
+  line("upwards", up);
+  line("vergence", found.sigma_D > 0.0
+                       ? "counts, with an error of " + decimal(found.sigma_D, 2) + " D"
+                       : "the recording has none: any surface at 0.1 to 100 m counts");
+  line("as it stands", fitText(found.now));
+  line("best pose", fitText(found.best));
+  if (found.rival) line("second best", fitText(*found.rival));
+  for (const AlignmentNeighbour& each : found.neighbours) {
+    line("drop", decimal(each.drop, 3) + " by " + each.step);
+  }
+  line("verdict", verdictText(found));
+  line("drawing", out);
+  if (found.verdict() != AlignmentSearch::Verdict::propose) return;
+  std::printf("\nFor the study:\n\n[scene]\nscale_m = %s\n\n%s",
+              significant(study.scene.scale_m, 6).c_str(),
+              alignmentToml(found.best.alignment).c_str());
+}
+
+}  // namespace
+
+void addAlignmentOptions(CLI::App& command, AlignmentOptions& options) {
+  command
+      .add_option("--scene", options.scene,
+                  "of a headset's recording: draw it in this scene, and propose offset, scale and "
+                  "rotation about the vertical")
+      ->type_name("FILE");
+  command.add_option("--up", options.up, "upward axis of the scene: x, y or z, or -x, -y or -z")
+      ->type_name("AXIS");
+  command
+      .add_option("--out", options.out, "the drawing in the scene (SVG); default: alignment.svg")
+      ->type_name("FILE.svg");
+  addOverwriteFlag(command, options.overwrite);
+}
+
+void showAlignment(const std::string& recording, const TraceOptions& trace,
+                   const AlignmentOptions& options, bool json) {
+  if (!options.out.ends_with(".svg")) {
+    throw InputError("--out " + options.out, "expected a name that ends in .svg");
+  }
+  Study study = alignedStudy(recording, trace, options);
+  const OutputGuard guard({options.out}, inputFiles(study), options.overwrite);
+  Warnings warnings;
+  const GazeTrace gaze = loadGaze(study, warnings);
+  if (trace.study.empty() && gaze.scene_scale_m) study.scene.scale_m = *gaze.scene_scale_m;
+  study = withRecordedHead(std::move(study), gaze);
+  const auto sights = sightsOf(gaze, *gaze.screen, study.observer.ipd_mm / 1000.0);
+  if (sights.sights.size() < 2) {
+    throw InputError(recording,
+                     "--scene: expected a recording of a headset, with poses of the head and gaze");
+  }
+  SceneFile file = readScene(*study.scene.file);
+  const UpAxis axis = upOfScene(study, factsOf(file), options.up);
+  glm::dvec3 up(0.0);
+  up[axis.axis] = axis.negative ? -1.0 : 1.0;
+  const SurfelCloud cloud = loadScene(study, warnings, std::move(file));
+  say("searching all rotations about the vertical, scales and places");
+  const AlignmentSearch found = searchAlignment(cloud, sights, study.gaze.alignment, up);
+  std::vector<std::pair<std::string, const AlignmentFit*>> fits = {
+      {"As it stands: " + fitText(found.now), &found.now}};
+  if (found.verdict() == AlignmentSearch::Verdict::propose) {
+    fits.emplace_back("Proposed: " + fitText(found.best), &found.best);
+  }
+  writeOutput(options.out, alignmentSvg(cloud, sights.sights, fits, up), guard);
+  if (json) {
+    std::puts(jsonText(jsonOf(found)).c_str());
+  } else {
+    print(found, study, nameOf(axis) + " (" + axis.why + ")", options.out);
+  }
+}
+
+}  // namespace foci

@@ -1,0 +1,40 @@
+// A scene as cubes that are full or empty: a rough answer to where a ray meets it, in little time.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <vector>
+
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// Radius of a disc about a surfel or Gaussian, so that discs cover the surface.
+float coveringRadius_m(const SurfelCloud& cloud, std::size_t i);
+
+/// The opacity of a surfel or Gaussian, and the one below which it hides nothing.
+float opacityOf(const SurfelCloud& cloud, std::size_t i);
+inline constexpr float kLeastOpacity = 0.3f;
+
+class SceneVoxels {
+ public:
+  /// The cubes are a share of the box's longest side, and at least as wide as discs.
+  /// @param low_m, high_m  what lies outside is left out
+  SceneVoxels(const SurfelCloud& cloud, const glm::dvec3& low_m, const glm::dvec3& high_m);
+
+  /// Walks from cube to cube (Amanatides and Woo, 1987).
+  /// @param direction  unit
+  /// @return to the middle of the first full cube's stretch of the ray; 0 if the origin is in one
+  std::optional<double> distance_m(const glm::dvec3& origin_m, const glm::dvec3& direction) const;
+
+  double cube_m() const { return cube_m_; }
+
+ private:
+  glm::dvec3 low_m_;
+  double cube_m_ = 0.0;
+  glm::ivec3 count_{0};
+  std::vector<std::uint8_t> full_{};
+};
+
+}  // namespace foci
