@@ -28,7 +28,7 @@ constexpr const char* kHeading =
 std::string rows() {
   std::string text;
   for (int x = -40; x <= 40; x += 10) {
-    for (int y = -25; y <= 25; y += 5) {
+    for (int y = -24; y <= 24; y += 6) {
       text += "1\t" + std::to_string(x) + "\t" + std::to_string(y) + "\t0\t" +
               decimal((x * x + y * y) / 1000.0, 6) + "\t0\t0\t0\t0\n";
     }
