@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <sstream>
 
@@ -16,6 +17,7 @@
 #include "gaze/focus/pupil.h"
 #include "render/methods/method.h"
 #include "render/optics/colours.h"
+#include "render/optics/lens_field.h"
 
 namespace foci {
 namespace {
@@ -124,6 +126,120 @@ void addPupilShapes(Figures& figures) {
   }
 }
 
+/// A point of light in a direction of a right eye's visual field (x towards the temple, y up).
+struct FieldPoint {
+  double temporal_deg = 0.0, up_deg = 0.0;
+  std::string what;
+};
+
+/// How much stronger than at the gaze the typical eye is along x and y of the image, as a rendered
+/// point of light tells: the focus at which its variance along that axis is least.
+glm::dvec2 renderedPower_D(const FieldPoint& at) {
+  constexpr int kSize_px = 257;
+  constexpr float kFocal_px = 1500.0f;
+  constexpr double kPupil_m = 4e-3, kPoint_D = 1.0, kStep_D = 3.0;
+  const double per_deg = std::numbers::pi / 180.0;
+  const double away_rad = std::hypot(at.temporal_deg, at.up_deg) * per_deg;
+  const glm::dvec2 along = away_rad > 0.0
+                               ? glm::dvec2(at.temporal_deg, at.up_deg) * per_deg / away_rad
+                               : glm::dvec2(1.0, 0.0);
+  const glm::vec3 p(glm::dvec3(std::sin(away_rad) * along, -std::cos(away_rad)) / kPoint_D);
+  const glm::vec2 image_px = kFocal_px * glm::vec2(p.x, -p.y) / -p.z;
+  SurfelCloud cloud;
+  appendSurfel(cloud, p, -glm::normalize(p), 3e-5f, 4e-9f, glm::vec3(1.0f));
+  const View view{.size_px = {kSize_px, kSize_px},
+                  .focal_px = glm::vec2(kFocal_px),
+                  .principal_px = glm::vec2(0.5f * kSize_px) - image_px};
+  const auto method = makeMethod("sweep", cloud);
+  const auto variance_px2 = [&](double focus_D) {
+    RenderSettings settings;
+    settings.defocus = defocusOfLens(kPupil_m, glm::vec2(kFocal_px), focus_D, DistanceAlong::sight);
+    settings.defocus.field = std::make_shared<const LensField>(typicalField(), false, view,
+                                                               view.principal_px, settings.defocus);
+    Frame frame;
+    method->render(view, settings, frame);
+    double light = 0.0;
+    glm::dvec2 sum(0.0), squares(0.0);
+    for (int y = 0; y < kSize_px; ++y) {
+      for (int x = 0; x < kSize_px; ++x) {
+        const glm::dvec2 from = glm::dvec2(x, y) + 0.5 - 0.5 * kSize_px;
+        const double each = frame.at(x, y).r;
+        light += each;
+        sum += each * from;
+        squares += each * from * from;
+      }
+    }
+    return squares / light - sum * sum / (light * light);
+  };
+  // The variance is a parabola of the focus.
+  const glm::dvec2 nearer = variance_px2(kPoint_D + kStep_D),
+                   farther = variance_px2(kPoint_D - kStep_D);
+  const glm::dvec2 middle = variance_px2(kPoint_D);
+  return 0.5 * kStep_D * (nearer - farther) / (nearer + farther - 2.0 * middle);
+}
+
+/// What ten eyes have beside the fovea, and what a rendered point of light shows there.
+void addFields(Figures& figures) {
+  struct Published {
+    FieldPoint at;
+    double sphere_D, astigmatism_D;  ///< power; along the meridian less across it
+  };
+  // Medians of the ten eyes, each relative to its median within 5 degrees of the fovea. Twice their
+  // standard error is up to 0.35 D, and 0.45 D for astigmatism at 40 degrees.
+  const std::vector<Published> published{
+      {{0, 0, "at the gaze"}, 0.0, 0.0},        {{10, 0, "10 deg temporal"}, 0.14, 0.18},
+      {{20, 0, "20 deg temporal"}, 0.15, 0.74}, {{30, 0, "30 deg temporal"}, 0.27, 1.66},
+      {{40, 0, "40 deg temporal"}, 0.44, 2.97}, {{-10, 0, "10 deg nasal"}, 0.22, 0.32},
+      {{-20, 0, "20 deg nasal"}, 0.69, 1.20},   {{-30, 0, "30 deg nasal"}, 1.04, 2.49},
+      {{-40, 0, "40 deg nasal"}, 1.15, 4.42},   {{0, 10, "10 deg up"}, 0.47, 0.25},
+      {{0, 20, "20 deg up"}, 0.83, 1.14},       {{0, 25, "25 deg up"}, 0.94, 1.56},
+      {{0, -10, "10 deg down"}, 0.07, 0.18},    {{0, -20, "20 deg down"}, 0.43, 0.85},
+      {{0, -25, "25 deg down"}, 0.53, 1.34}};
+  const std::string source = "Polans and others 2015, median of 10 eyes";
+  std::vector<double> horizontal_D;  // astigmatism, temporal then nasal
+  for (const Published& each : published) {
+    const glm::dvec2 power_D = renderedPower_D(each.at);
+    const double astigmatism_D =
+        each.at.up_deg == 0.0 ? power_D.x - power_D.y : power_D.y - power_D.x;
+    if (each.at.temporal_deg != 0.0) horizontal_D.push_back(astigmatism_D);
+    figures.push_back({.group = "Relative refraction of a rendered point of light, as power",
+                       .what = each.at.what,
+                       .unit = "D",
+                       .source = source,
+                       .expected = each.sphere_D,
+                       .tolerance = 0.3,
+                       .value = 0.5 * (power_D.x + power_D.y)});
+    figures.push_back({.group = "Astigmatism of a rendered point of light, along its meridian",
+                       .what = each.at.what,
+                       .unit = "D",
+                       .source = source,
+                       .expected = each.astigmatism_D,
+                       .tolerance = std::abs(each.at.temporal_deg) < 40.0 ? 0.35 : 0.45,
+                       .value = astigmatism_D});
+  }
+  for (const std::size_t i : {1u, 2u, 3u}) {
+    const double deg = 10.0 * static_cast<double>(i + 1);
+    const double schematic_D = 2.0 * power_D(fieldOfEye(deg, 4e-3).added).y;
+    figures.push_back({.group = "Astigmatism of a rendered point of light, along its meridian",
+                       .what = decimal(deg, 0) + " deg, mean of both sides",
+                       .unit = "D",
+                       .source = "Escudero-Sanz and Navarro 1999, the wide-angle eye",
+                       .expected = schematic_D,
+                       .tolerance = 0.25 * schematic_D,
+                       .value = 0.5 * (horizontal_D[i] + horizontal_D[i + 4])});
+  }
+  // Astigmatism is quadratic about its axis: a (x - x0)^2.
+  const double sum = horizontal_D[2] + horizontal_D[6], apart = horizontal_D[6] - horizontal_D[2];
+  figures.push_back({.group = "Axis of least astigmatism, of rendered points of light",
+                     .what = "temporal of the line of sight",
+                     .unit = "deg",
+                     .source = "Atchison, Mathur, Suheimat and Charman 2014; Liu and Thibos 2017",
+                     .expected = 4.8,
+                     .tolerance = 2.0,
+                     .value = 30.0 * apart / (2.0 * sum),
+                     .digits = 1});
+}
+
 void addMtf(Figures& figures, Progress& progress, std::size_t& done) {
   const std::array expected{0.657, 0.563, 0.427, 0.295, 0.205};
   for (int mm = 2; mm <= 6; ++mm) {
@@ -224,6 +340,7 @@ std::vector<ValidationFigure> validationFigures() {
   addChromatic(figures);
   addPupils(figures);
   addPupilShapes(figures);
+  addFields(figures);
   addMtf(figures, progress, done);
   addDepthOfFocus(figures, progress, done);
   addAccommodation(figures);

@@ -104,6 +104,18 @@ double step(double now, double before, double max_change) {
 
 }  // namespace
 
+void ObserverField::set(const FieldAberrations& eye, bool left, const View& view,
+                        const glm::vec2& gaze_px, Defocus& defocus) {
+  Made wanted{eye, view, gaze_px, defocus.radius_px_per_D};
+  wanted.view.eye_from_world = glm::mat4(1.0f);
+  Entry& entry = eyes_[left ? 0 : 1];
+  if (!entry.field || !(entry.made == wanted)) {
+    entry.field = std::make_shared<const LensField>(eye, left, view, gaze_px, defocus);
+    entry.made = wanted;
+  }
+  defocus.field = entry.field;
+}
+
 void RenderedEye::followPupil(double pupil_mm_now) {
   pupil_mm = step(pupil_mm_now, pupil_mm, kPupilStep_mm);
 }

@@ -1,7 +1,9 @@
 // The observer's own eye: its optics, its pupil over time, and its state as it is rendered.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 
 #include "app/session/session_settings.h"
@@ -9,6 +11,7 @@
 #include "gaze/geometry/gaze_sample.h"
 #include "render/image/frame.h"
 #include "render/optics/defocus.h"
+#include "render/optics/lens_field.h"
 #include "render/optics/pupil.h"
 
 namespace foci {
@@ -56,6 +59,28 @@ class ObserverPupil {
   PupilScene scene_;  // of a white frame
   std::optional<double> recorded_mm_{}, shown_mm_{};
   PupilReflex reflex_{};
+};
+
+/// The aberrations over the view of each eye. Equal requests get the same object, so that equal
+/// frames are known as such.
+class ObserverField {
+ public:
+  /// @param defocus  of the eye; its field is set
+  void set(const FieldAberrations& eye, bool left, const View& view, const glm::vec2& gaze_px,
+           Defocus& defocus);
+
+ private:
+  struct Made {
+    FieldAberrations eye;
+    View view;  ///< without its pose
+    glm::vec2 gaze_px{0.0f}, radius_px_per_D{0.0f};
+    bool operator==(const Made&) const = default;
+  };
+  struct Entry {
+    Made made;
+    std::shared_ptr<const LensField> field;
+  };
+  std::array<Entry, 2> eyes_{};  // left, right
 };
 
 struct RenderedEye {

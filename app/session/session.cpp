@@ -29,6 +29,10 @@ SharedGpu openDevice(RenderDevice device, const SharedGpu& window_gpu) {
   }
 }
 
+std::optional<glm::dvec2> gazeOf(const FrameRecord& record) {
+  return record.gaze_px ? record.gaze_px : record.fixation_px;
+}
+
 SessionSettings checked(const SessionSettings& settings) {
   checkSettings(settings);
   return settings;
@@ -49,7 +53,7 @@ Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
       rate_Hz_(rate_Hz),
       start_s_(start_s),
       query_(cloud),
-      renderer_(cloud, openDevice(settings.device, window_gpu)),
+      renderer_(cloud, settings.observer.field ? nullptr : openDevice(settings.device, window_gpu)),
       follower_(newFollower()),
       pupil_(settings) {
   renderer_.methodNamed(settings.method);  // it may take seconds to make, so before the first frame
@@ -72,6 +76,9 @@ void Session::noteDevice() {
 
 std::string Session::deviceRemark() const {
   if (!renderer_.gpuFailure().empty()) return renderer_.gpuFailure();
+  if (settings_.observer.field && settings_.device != RenderDevice::cpu) {
+    return "observer.field has no code for the GPU; the CPU renders";
+  }
   if (!renderer_.gpu() || renderer_.suitsGpu(settings_.method)) return {};
   return "method " + settings_.method + " has no code for the GPU in this scene; the CPU renders";
 }
@@ -99,6 +106,7 @@ void Session::restart(double start_s) {
   devices_.clear();
   passed_ = false;
   rendered_eye_.reset();
+  last_gaze_px_.reset();
 }
 
 void Session::changeSettings(const SessionSettings& settings) {
@@ -249,6 +257,7 @@ std::optional<glm::dvec2> Session::middleSurface_px(double time_s) const {
 
 /// The eye's pose, fixed focus and the pupil.
 void Session::finishLook(FrameRecord& record) {
+  if (const auto point_px = gazeOf(record)) last_gaze_px_ = point_px;
   const glm::dmat4 world_from_eye =
       glm::inverse(glm::dmat4(settings_.path.eyeFromWorldAt(record.time_s - start_s_)));
   record.eye_m = glm::dvec3(world_from_eye[3]);
@@ -304,18 +313,30 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
   if (settings_.quality.frame_ms)
     quality.frame_ms = static_cast<float>(*settings_.quality.frame_ms);
   if (!settings_.quality.foveated) return quality;
-  const auto& now_px = record.gaze_px ? record.gaze_px : record.fixation_px;
-  if (const auto& point_px = rendered_eye_ ? rendered_eye_->gaze_px : now_px) {
-    // The point lies on the screen, which all views share: where the eye's own view shows it.
-    const Screen& screen = settings_.screen;
-    const glm::dvec3 sight = lineOfSight(screen, *point_px);
-    const glm::dvec3 p_eye =
-        screen.distance_m / -sight.z * sight - glm::dvec3(eye.offset_m, 0.0, 0.0);
+  if (const auto& point_px = rendered_eye_ ? rendered_eye_->gaze_px : gazeOf(record)) {
     quality.acuity =
-        acuityAround(project(eye.view, glm::vec3(p_eye)),
+        acuityAround(inView_px(*point_px, eye),
                      glm::radians(std::sqrt(eye.view.focal_px.x * eye.view.focal_px.y)));
   }
   return quality;
+}
+
+/// A point of the screen, which all views share, where the eye's own view shows it.
+glm::vec2 Session::inView_px(const glm::dvec2& point_px, const EyeView& eye) const {
+  const Screen& screen = settings_.screen;
+  const glm::dvec3 sight = lineOfSight(screen, point_px);
+  const glm::dvec3 p_eye =
+      screen.distance_m / -sight.z * sight - glm::dvec3(eye.offset_m, 0.0, 0.0);
+  return project(eye.view, glm::vec3(p_eye));
+}
+
+/// The eye's lens over its view. Gaze that is lost stays; before the first, it is straight ahead.
+void Session::addField(const FrameRecord& record, const EyeView& eye, Defocus& defocus) const {
+  if (!settings_.observer.field || defocus.radius_px_per_D == glm::vec2(0.0f)) return;
+  std::optional<glm::dvec2> point_px = rendered_eye_ ? rendered_eye_->gaze_px : gazeOf(record);
+  if (!point_px) point_px = last_gaze_px_;
+  field_.set(*settings_.observer.field, eye.offset_m < 0.0, eye.view,
+             point_px ? inView_px(*point_px, eye) : eye.view.principal_px, defocus);
 }
 
 RenderRequest Session::requestOf(const std::string& method, const FrameRecord& record) const {
@@ -344,6 +365,7 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
         .background = settings_.background,
         .shading = settings_.shading,
         .depth = settings_.output.depth};
+    addField(record, eye, settings.defocus);
     if (usesQuality(method)) settings.quality = qualityOf(record, eye);
     // Without blur all colours are equally sharp.
     if (settings_.observer.chromatic && method != "pinhole") {

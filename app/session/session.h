@@ -139,6 +139,8 @@ class Session {
   std::optional<double> surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                         double half_angle_rad) const;
   Quality qualityOf(const FrameRecord& record, const EyeView& eye) const;
+  glm::vec2 inView_px(const glm::dvec2& point_px, const EyeView& eye) const;
+  void addField(const FrameRecord& record, const EyeView& eye, Defocus& defocus) const;
   GazeFollower newFollower();
 
   SessionSettings settings_;
@@ -149,6 +151,8 @@ class Session {
   GazeFollower follower_;
   ObserverPupil pupil_;
   std::optional<RenderedEye> rendered_eye_;
+  std::optional<glm::dvec2> last_gaze_px_;  // on the session's screen
+  mutable ObserverField field_;             // what the last requests had
   RenderedFrame last_;
   std::vector<std::string> devices_;  // that rendered frames, each once
   bool full_quality_ = false;         // of the last frame, which was adopted

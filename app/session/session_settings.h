@@ -13,6 +13,7 @@
 #include "gaze/focus/accommodation.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "render/optics/colours.h"
+#include "render/optics/eye_field.h"
 #include "render/optics/wavefront.h"
 
 namespace foci {
@@ -29,6 +30,7 @@ struct ObserverSettings {
   bool chromatic = false;   ///< red, green and blue each have their focus (colours.h)
   /// Of the left and the right eye, as measured; what `refraction` holds is left out.
   std::array<Wavefront, 2> wavefronts{};
+  std::optional<FieldAberrations> field{};  ///< aberrations beside the line of sight
   double spherical_um_per_D =
       0.0;  ///< change of coefficient 12 with accommodation (observer_eye.h)
   bool stiles_crawford = false;

@@ -288,8 +288,9 @@ std::vector<std::filesystem::path> inputFiles(const Study& study) {
     for (auto& file : meshCompanions(part.file)) files.push_back(std::move(file));
   }
   for (const auto& file :
-       {study.screen.monitor, study.screen.spectra, study.observer.wavefront.file, study.gaze.map,
-        study.gaze.camera, study.record.frames, study.record.changes, study.record.markers}) {
+       {study.screen.monitor, study.screen.spectra, study.observer.wavefront.file,
+        study.observer.field.file, study.gaze.map, study.gaze.camera, study.record.frames,
+        study.record.changes, study.record.markers}) {
     if (file) files.push_back(*file);
   }
   if (const auto place = webcamPlaceOf(study.gaze.source)) {

@@ -32,6 +32,7 @@ constexpr std::string_view kLiveKeys[] = {
     "observer.axis_deg",
     "observer.corrected",
     "observer.chromatic",
+    "observer.field",
     "observer.wavefront",
     "observer.wavefront_pupil_mm",
     "observer.age_years",
@@ -42,8 +43,8 @@ constexpr std::string_view kLiveKeys[] = {
     "observer.diffraction",
 };
 
-/// The one of them that may name a file.
-constexpr std::string_view kFileKey = "observer.wavefront";
+/// Those that may name a file.
+constexpr std::string_view kWavefrontKey = "observer.wavefront", kFieldKey = "observer.field";
 
 }  // namespace
 
@@ -52,10 +53,10 @@ bool changesLive(std::string_view key) {
 }
 
 std::string remoteValue(const Study& study, const std::string& key, const std::string& toml) {
-  if (key != kFileKey) return toml;
+  if (key != kWavefrontKey && key != kFieldKey) return toml;
   Study named = study;
   setKey(named, key, toml, "change");
-  const auto& name = named.observer.wavefront.file;
+  const auto& name = key == kFieldKey ? named.observer.field.file : named.observer.wavefront.file;
   if (!name) return toml;
   if (!study.remote.folder) {
     throw InputError(key,

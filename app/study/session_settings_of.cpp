@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/study/field_file.h"
 #include "app/study/inputs.h"
 #include "app/study/spectra_file.h"
 #include "app/study/wavefront_file.h"
@@ -54,6 +55,11 @@ Eyes eyesOf(const Study::Observer& observer) {
   return eyes;
 }
 
+std::optional<FieldAberrations> fieldOf(const FieldChoice& choice) {
+  if (choice.file) return readFieldAberrations(*choice.file);
+  return choice.typical ? std::optional(typicalField()) : std::nullopt;
+}
+
 }  // namespace
 
 EyePath eyePathOf(const Study& study) {
@@ -98,6 +104,7 @@ SessionSettings sessionSettingsOf(const Study& study) {
                    .refraction = eyes.refraction,
                    .chromatic = study.observer.chromatic,
                    .wavefronts = eyes.wavefronts,
+                   .field = fieldOf(study.observer.field),
                    .spherical_um_per_D = study.observer.spherical_um_per_D,
                    .stiles_crawford = study.observer.stiles_crawford,
                    .stiles_crawford_center_m = study.observer.stiles_crawford_center_mm / 1000.0,
@@ -135,7 +142,8 @@ std::string eyeRemark(const Study& study) {
         " has one radius of blur: an astigmatic eye's ellipses are circles of the same variance.";
   }
   const bool aberrations = eyes.wavefronts[0] || eyes.wavefronts[1] || observer.stiles_crawford ||
-                           observer.diffraction || observer.spherical_um_per_D != 0.0;
+                           observer.diffraction || observer.spherical_um_per_D != 0.0 ||
+                           observer.field.typical || observer.field.file;
   if (aberrations && !methodInfo(method).aberrations) {
     remark += (remark.empty() ? "method " : " Method ") + method +
               " leaves out the observer's aberrations, diffraction and the Stiles-Crawford effect; "

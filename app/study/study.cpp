@@ -1,6 +1,7 @@
 // Reads the file of a study, and checks what several keys decide together.
 
 #include "app/study/study.h"
+#include "app/study/field_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,6 +81,7 @@ Study readStudy(const std::filesystem::path& file) {
   for (ScenePart& part : study.scene.parts) resolve(part.file, folder);
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
   if (study.observer.wavefront.file) resolve(*study.observer.wavefront.file, folder);
+  if (study.observer.field.file) resolve(*study.observer.field.file, folder);
   if (study.screen.spectra) resolve(*study.screen.spectra, folder);
   if (study.gaze.map) resolve(*study.gaze.map, folder);
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);
@@ -216,6 +218,7 @@ bool wavefrontHasPower(const Study::Observer& observer) {
 void checkObserver(const Study& study) {
   const Study::Observer& observer = study.observer;
   if (study.screen.spectra) readSpectra(*study.screen.spectra);
+  if (observer.field.file) readFieldAberrations(*observer.field.file);
   if (!observer.wavefront.zernike_um.empty() && !observer.wavefront_pupil_mm) {
     refuse(study,
            "observer.wavefront: expected observer.wavefront_pupil_mm, too, the pupil that the "

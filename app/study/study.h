@@ -49,6 +49,12 @@ struct ScenePart {
   double scale_m = 1.0;                     ///< metres per unit of the file
 };
 
+/// Aberrations over the visual field: none, those of the typical eye, or a file's.
+struct FieldChoice {
+  bool typical = false;
+  std::optional<std::filesystem::path> file{};
+};
+
 /// The table of an aberrometer, or coefficients for both eyes; by default neither.
 struct WavefrontChoice {
   std::optional<std::filesystem::path> file = {};
@@ -109,6 +115,7 @@ struct Study {
     bool chromatic = false;                                   ///< see render/optics/colours.h
     int wavelengths = 9;  ///< that the screen's spectra are rendered as
     WavefrontChoice wavefront;
+    FieldChoice field;
     std::optional<double> age_years;           ///< typical aberrations; absent: none
     std::optional<double> wavefront_pupil_mm;  ///< that its coefficients hold for
     double spherical_um_per_D = 0.0;           ///< change of coefficient 12 with accommodation

@@ -23,6 +23,8 @@ static void read(const toml::value& from, const Allowed&, std::vector<TraceTrial
 static std::string write(const std::vector<TraceTrial>& trials);
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
 static std::string write(const std::vector<EyeKeyframe>& path);
+static void read(const toml::value& from, const Allowed& allowed, FieldChoice& to);
+static std::string write(const FieldChoice& field);
 static void read(const toml::value& from, const Allowed& allowed, WavefrontChoice& to);
 static std::string write(const WavefrontChoice& wavefront);
 
@@ -180,6 +182,9 @@ const std::vector<Key<Study>>& studyKeys() {
                "typical aberrations of this age, without observer.wavefront; focus.age_years "
                "limits how near the eye focuses",
                {18, 90}),
+      FOCI_KEY(observer.field, "observer.field",
+               "aberrations beside the line of sight: \"none\", \"typical\" (of ten eyes), or a "
+               "table of coefficients by angle"),
       FOCI_KEY(observer.spherical_um_per_D, "observer.spherical_um_per_D",
                "change of the spherical aberration (coefficient 12, pupil of 5 mm) per dioptre of "
                "accommodation, um/D; young eyes: about -0.05",
@@ -448,6 +453,23 @@ static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>
       throw Expected{"a rotation of each part that is not 0, 0, 0, 0"};
     }
   }
+}
+
+static void read(const toml::value& from, const Allowed& allowed, FieldChoice& to) {
+  to = {};
+  try {
+    read(from, allowed, to.file);
+  } catch (const Expected&) {
+    throw Expected{"\"none\", \"typical\" or a file's name"};
+  }
+  if (!to.file) return;
+  to.typical = *to.file == "typical";
+  if (to.typical || *to.file == "none") to.file.reset();
+}
+
+static std::string write(const FieldChoice& field) {
+  if (field.file) return write(field.file);
+  return write(std::string(field.typical ? "typical" : "none"));
 }
 
 static void read(const toml::value& from, const Allowed& allowed, WavefrontChoice& to) {

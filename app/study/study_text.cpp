@@ -86,9 +86,10 @@ std::string tomlOfJson(const std::string& json) { return tomlOf(Json::parse(json
 std::string annotatedStudyToml(const Study& study, const std::filesystem::path& folder,
                                const std::string& comment) {
   Study moved = study;
-  for (auto* path : {&moved.scene.file, &moved.screen.spectra, &moved.observer.wavefront.file,
-                     &moved.gaze.map, &moved.gaze.camera, &moved.record.frames,
-                     &moved.record.changes, &moved.record.markers, &moved.remote.folder}) {
+  for (auto* path :
+       {&moved.scene.file, &moved.screen.spectra, &moved.observer.wavefront.file,
+        &moved.observer.field.file, &moved.gaze.map, &moved.gaze.camera, &moved.record.frames,
+        &moved.record.changes, &moved.record.markers, &moved.remote.folder}) {
     if (*path) **path = namedIn(folder, **path);
   }
   for (ScenePart& part : moved.scene.parts) part.file = namedIn(folder, part.file);
@@ -125,7 +126,7 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
 std::string studyToml(const Study& study) {
   Study moved = study;
   for (auto* path : {&moved.scene.file, &moved.screen.spectra, &moved.observer.wavefront.file,
-                     &moved.gaze.map, &moved.gaze.camera}) {
+                     &moved.observer.field.file, &moved.gaze.map, &moved.gaze.camera}) {
     if (*path) **path = std::filesystem::absolute(**path);
   }
   for (ScenePart& part : moved.scene.parts) part.file = std::filesystem::absolute(part.file);

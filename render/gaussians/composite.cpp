@@ -112,12 +112,17 @@ std::vector<SubApertureSize> subApertureSizes(const std::vector<LensDisc>& discs
   return sizes;
 }
 
-void TileGaussians::begin(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list) {
+void TileGaussians::begin(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list,
+                          const LensField* field, const glm::vec2& principal_px) {
+  field_ = field;
+  principal_px_ = principal_px;
   gaussians_ = gaussians;
   list_ = list;
   fetched_ = 0;
   const std::size_t needed = (list.size() + kBlock - 1) / kBlock * kBlock * kNumbers;
   if (values_.size() < needed) values_.resize(needed);
+  const std::size_t lenses = field ? needed / kNumbers * LocalLens::kValues : 0;
+  if (lenses_.size() < lenses) lenses_.resize(lenses);
 }
 
 void TileGaussians::fetchBlock() {
@@ -135,6 +140,16 @@ void TileGaussians::fetchBlock() {
                                               g.sx,   g.sy,   g.e,     g.off_D, g.opacity,
                                               g.cut,  g.red,  g.green, g.blue,  g.distance_m};
     for (std::size_t i = 0; i < kNumbers; ++i) block[i * kBlock + k] = numbers[i];
+  }
+  if (field_) {
+    float* const lenses = lenses_.data() + fetched_ * LocalLens::kValues;
+    for (std::size_t k = 0; k < kBlock; ++k) {
+      const glm::vec2 at_px(block[x_px * kBlock + k], block[y_px * kBlock + k]);
+      const LocalLens lens = field_->at(at_px - principal_px_);
+      for (std::size_t i = 0; i < LocalLens::kValues; ++i) {
+        lenses[i * kBlock + k] = lens.values[i];
+      }
+    }
   }
   fetched_ += kBlock;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/gaussians/projected.h"
+#include "render/optics/lens_field.h"
 #include "render/splat/bin.h"
 
 namespace foci {
@@ -87,7 +88,9 @@ class TileGaussians {
   };
 
   /// @param list  of the tile; both outlive the tile
-  void begin(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list);
+  /// @param field  of the lens; null: one lens for all directions
+  void begin(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list,
+             const LensField* field = nullptr, const glm::vec2& principal_px = glm::vec2(0.0f));
   std::size_t size() const { return list_.size(); }
 
   /// Fetches the entries up to `end`, which are at most all.
@@ -99,21 +102,29 @@ class TileGaussians {
     return values_.data() + (at / kBlock * kNumbers + number) * kBlock + at % kBlock;
   }
 
+  /// The lens in the direction of each fetched entry, by value (`LocalLens`), kBlock floats each.
+  const float* lensesAt(std::size_t at) const {
+    return lenses_.data() + at / kBlock * kBlock * LocalLens::kValues + at % kBlock;
+  }
+
  private:
   void fetchBlock();
 
   const ProjectedGaussian* gaussians_ = nullptr;
   std::span<const std::uint32_t> list_;
-  std::vector<float> values_;
+  const LensField* field_ = nullptr;
+  glm::vec2 principal_px_{0.0f};
+  std::vector<float> values_, lenses_;
   std::size_t fetched_ = 0;  // a multiple of kBlock
 };
 
 struct CompositeJob {
   TileGaussians* gaussians = nullptr;
   const Defocus* defocus = nullptr;
-  glm::vec2 first_px{0.0f};  ///< the first sample
-  float step_px = 1.0f;      ///< from sample to sample
-  int samples = kTile;       ///< along a side, aprons included
+  glm::vec2 principal_px{0.0f};  ///< of the view, for `Defocus::field`
+  glm::vec2 first_px{0.0f};      ///< the first sample
+  float step_px = 1.0f;          ///< from sample to sample
+  int samples = kTile;           ///< along a side, aprons included
   LensDisc lens;
   glm::vec3 background{0.0f};  ///< display values
   /// What lies behind instead of the background, at the same samples. Called where it shows.

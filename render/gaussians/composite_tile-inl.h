@@ -14,6 +14,7 @@
 #include "render/gaussians/composite.h"
 #include "render/gaussians/lane_functions-inl.h"
 #include "render/kernel/simd-inl.h"
+#include "render/splat/field_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
@@ -30,6 +31,14 @@ struct alignas(64) Block {
   // Samples within the box of the footprint: the first and the last column and row.
   std::uint32_t left[kMaxLanes], right[kMaxLanes], top[kMaxLanes], bottom[kMaxLanes];
   std::uint64_t reach;  // bits of the lanes whose box holds a sample
+};
+
+/// The lenses of a block's lanes (`TileGaussians::lensesAt`), as `partLens` takes them.
+struct LensesOfBlock {
+  const float* values;
+  HWY_INLINE V operator[](LocalLens::Value i) const {
+    return hn::LoadU(D(), values + i * TileGaussians::kBlock);
+  }
 };
 
 /// Columns and rows of the samples of squares, by place.
@@ -175,8 +184,19 @@ class TileCompositor {
             off = load(TileGaussians::off_D);
     const glm::vec2 radius = job_.defocus->radius_px_per_D, j = job_.defocus->astigmatism_D;
     const glm::vec2 p = job_.lens.centre, a = radius * p;
-    const V moved_x = hn::MulAdd(off, set(a.x), set(radius.x * (j.x * p.x + j.y * p.y)));
-    const V moved_y = hn::MulAdd(off, set(a.y), set(radius.y * (j.y * p.x - j.x * p.y)));
+    V moved_x = hn::MulAdd(off, set(a.x), set(radius.x * (j.x * p.x + j.y * p.y)));
+    V moved_y = hn::MulAdd(off, set(a.y), set(radius.y * (j.y * p.x - j.x * p.y)));
+    const bool field = shownField(*job_.defocus) != nullptr;
+    const LensesOfBlock local{field ? job_.gaussians->lensesAt(at) : nullptr};
+    PartLens lens;
+    V ax = set(a.x), ay = set(a.y);  // displacement for a dioptre
+    if (field) {
+      lens = partLens(local, off, j, p, job_.lens.radius);
+      moved_x = lens.shift_x_px;
+      moved_y = lens.shift_y_px;
+      ax = hn::MulAdd(lens.per_D_px.xx, set(p.x), hn::Mul(lens.per_D_px.xy, set(p.y)));
+      ay = hn::MulAdd(lens.per_D_px.yx, set(p.x), hn::Mul(lens.per_D_px.yy, set(p.y)));
+    }
     const float per_step = 1.0f / job_.step_px;
     const auto sampleOf = [&](V centre, V moved, float first_px) {
       return hn::Mul(hn::Add(centre, hn::Add(moved, set(-first_px))), set(per_step));
@@ -187,12 +207,13 @@ class TileCompositor {
     hn::Store(y, d, block_.y);
 
     // The sheared Gaussian.
-    V xx =
-        hn::MulAdd(set(-2.0f * a.x), sx, hn::MulAdd(set(a.x * a.x), e, load(TileGaussians::vxx)));
-    V yy =
-        hn::MulAdd(set(-2.0f * a.y), sy, hn::MulAdd(set(a.y * a.y), e, load(TileGaussians::vyy)));
-    V xy = hn::MulAdd(set(-a.x), sy, hn::MulAdd(set(-a.y), sx, load(TileGaussians::vxy)));
-    xy = hn::MulAdd(set(a.x * a.y), e, xy);
+    const V minus_two = set(-2.0f);
+    V xx = hn::MulAdd(hn::Mul(minus_two, ax), sx,
+                      hn::MulAdd(hn::Mul(ax, ax), e, load(TileGaussians::vxx)));
+    V yy = hn::MulAdd(hn::Mul(minus_two, ay), sy,
+                      hn::MulAdd(hn::Mul(ay, ay), e, load(TileGaussians::vyy)));
+    V xy = hn::MulAdd(hn::Neg(ax), sy, hn::MulAdd(hn::Neg(ay), sx, load(TileGaussians::vxy)));
+    xy = hn::MulAdd(hn::Mul(ax, ay), e, xy);
     const auto determinant = [&] { return hn::Sub(hn::Mul(xx, yy), hn::Mul(xy, xy)); };
     const V least = set(kLowPass_px2 * kLowPass_px2);  // that of a point
     const V sharp = hn::Max(determinant(), least);
@@ -201,15 +222,30 @@ class TileCompositor {
     const float disc = kDiscVariancePerRadius2 * job_.lens.radius * job_.lens.radius;
     const V near_x = hn::Add(off, set(j.x)), near_y = hn::Sub(off, set(j.x));
     const V j45 = set(j.y * j.y);
-    xx = hn::MulAdd(set(disc * radius.x * radius.x), hn::Add(e, hn::MulAdd(near_x, near_x, j45)),
-                    xx);
-    yy = hn::MulAdd(set(disc * radius.y * radius.y), hn::Add(e, hn::MulAdd(near_y, near_y, j45)),
-                    yy);
-    xy = hn::MulAdd(set(2.0f * disc * radius.x * radius.y * j.y), off, xy);
+    if (field) {
+      const float r2 = job_.lens.radius * job_.lens.radius;
+      const auto spread = [&](V bx0, V by0, V bx1, V by1, V mx0, V my0, V mx1, V my1,
+                              LocalLens::Value coma, V& variance) {
+        const V blur = hn::MulAdd(bx0, bx1, hn::Mul(by0, by1));
+        const V depth = hn::Mul(e, hn::MulAdd(mx0, mx1, hn::Mul(my0, my1)));
+        variance = hn::Add(variance, hn::MulAdd(set(disc), hn::Add(blur, depth),
+                                                hn::Mul(set(r2 * r2), local[coma])));
+      };
+      const Matrix2 &b = lens.blur_px, &m = lens.per_D_px;
+      spread(b.xx, b.xy, b.xx, b.xy, m.xx, m.xy, m.xx, m.xy, LocalLens::kCxx, xx);
+      spread(b.yx, b.yy, b.yx, b.yy, m.yx, m.yy, m.yx, m.yy, LocalLens::kCyy, yy);
+      spread(b.xx, b.xy, b.yx, b.yy, m.xx, m.xy, m.yx, m.yy, LocalLens::kCxy, xy);
+    } else {
+      xx = hn::MulAdd(set(disc * radius.x * radius.x), hn::Add(e, hn::MulAdd(near_x, near_x, j45)),
+                      xx);
+      yy = hn::MulAdd(set(disc * radius.y * radius.y), hn::Add(e, hn::MulAdd(near_y, near_y, j45)),
+                      yy);
+      xy = hn::MulAdd(set(2.0f * disc * radius.x * radius.y * j.y), off, xy);
+    }
     const V blurred = hn::Max(determinant(), least);
     if constexpr (kDepth) {
       const V per_variance = hn::Div(set(job_.step_px), blurred);
-      const V tx = hn::NegMulAdd(set(a.x), e, sx), ty = hn::NegMulAdd(set(a.y), e, sy);
+      const V tx = hn::NegMulAdd(ax, e, sx), ty = hn::NegMulAdd(ay, e, sy);
       vergences_.see(load(TileGaussians::distance_m), e,
                      hn::Mul(hn::Sub(hn::Mul(yy, tx), hn::Mul(xy, ty)), per_variance),
                      hn::Mul(hn::Sub(hn::Mul(xx, ty), hn::Mul(xy, tx)), per_variance));

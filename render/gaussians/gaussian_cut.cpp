@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "base/parallel.h"
+#include "render/optics/lens_field.h"
 #include "render/scene/tree_order.h"
 
 namespace foci {
@@ -64,20 +65,20 @@ class NodeSelector {
     // bounds a disc's footprint of 3 sigma.
     const glm::vec2 offset = view_.focal_px * glm::vec2(p.x, -p.y) / depth;
     const glm::vec2 at = view_.principal_px + offset;
+    const glm::vec2 spread_px = radius / nearest * (view_.focal_px + glm::abs(offset));
+    const OffFocus off =
+        offFocus(defocus_, offset, glm::length(spread_px), 1.0f / distance, range_D);
     const glm::vec2 reach =
-        radius / nearest * (view_.focal_px + glm::abs(offset)) +
-        2.0f * (maxDefocus_D(defocus_, 1.0f / distance) + range_D) * defocus_.radius_px_per_D +
-        kLowPassReach_px;
+        spread_px + 2.0f * off.max_D * defocus_.radius_px_per_D + kLowPassReach_px;
     const glm::vec2 size(view_.size_px);
     if (at.x + reach.x < 0.0f || at.y + reach.y < 0.0f || at.x - reach.x > size.x ||
         at.y - reach.y > size.y) {
       return Seen::outside;
     }
-    const float off_D = std::max(minDefocus_D(defocus_, 1.0f / distance) - range_D, 0.0f);
     const glm::vec2 from_gaze = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
     const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze));
     const float allowed_px2 =
-        std::min(settings_.per_blur2 * blur2_ * off_D * off_D, settings_.max_px2) +
+        std::min(settings_.per_blur2 * blur2_ * off.min_D * off.min_D, settings_.max_px2) +
         settings_.per_pixel2 + settings_.per_acuity2 * (finest_px * finest_px - 1.0f);
     const float spread_px2 = tree_.spread_m2[node] * focal2_ / (depth * depth);
     return spread_px2 <= allowed_px2 ? Seen::fine : Seen::coarse;

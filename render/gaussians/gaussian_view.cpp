@@ -16,6 +16,7 @@ glm::vec3 lightOfDisplay(const glm::vec3& shown) {
   none.begin(nullptr, {});
   const CompositeJob job{.gaussians = &none,
                          .defocus = nullptr,
+                         .principal_px = {},
                          .first_px = {},
                          .samples = 1,
                          .lens = {},
@@ -51,6 +52,7 @@ void GaussianView::project(const View& view, const Defocus& defocus,
                            const std::vector<LensDisc>& discs, const GaussianCutSettings* lod) {
   defocus_ = defocus;
   size_px_ = view.size_px;
+  principal_px_ = view.principal_px;
   layers_.clear();
   if (lod) selectCut(*cloud_, view, defocus, *lod, cut_);
   projectGaussians(*cloud_, lod ? &cut_ : nullptr, view, defocus, subApertureSizes(discs),
@@ -104,6 +106,7 @@ std::uint64_t GaussianView::render(const ChooseLens& lens_of, const glm::vec3& b
     const auto apron = static_cast<float>(tile.apron());
     const CompositeJob job{.gaussians = nullptr,
                            .defocus = &defocus_,
+                           .principal_px = principal_px_,
                            .first_px = glm::vec2(tile.x_px, tile.y_px) + step_px * (0.5f - apron),
                            .step_px = step_px,
                            .samples = samples,

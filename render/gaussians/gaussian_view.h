@@ -59,6 +59,7 @@ class GaussianView {
   const GaussianCloud* cloud_;
   Defocus defocus_;
   glm::ivec2 size_px_{0};
+  glm::vec2 principal_px_{0.0f};
   GaussianCut cut_;
   ProjectedGaussians projected_;
   TileLists lists_;

@@ -54,7 +54,8 @@ std::uint64_t LayerStack::render(const ProjectedGaussian* gaussians,
   for (std::size_t k = 0; k < layers.count; ++k) {
     Layer& layer = stack_[k];
     const TileLayer& own = layers.layers[k];
-    layer.gaussians.begin(gaussians, list.first(own.size));
+    layer.gaussians.begin(gaussians, list.first(own.size), shownField(*job.defocus),
+                          job.principal_px);
     list = list.subspan(own.size);
     layer.job = job;
     layer.job.gaussians = &layer.gaussians;

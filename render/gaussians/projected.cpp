@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "render/optics/lens_field.h"
 #include "render/scene/gaussian_merge.h"
 #include "render/scene/harmonics.h"
 
@@ -93,8 +94,19 @@ class Projection {
   /// Fills the key. The box bounds the Gaussian from every lens point: with the deviations of
   /// position and vergence, the sheared variance is at most (sqrt(V) + sqrt(e) |a|)^2.
   bool place(const ProjectedGaussian& g, float depth, SplatKey& key) const {
-    const glm::vec2 radius = defocus_.radius_px_per_D;
-    const glm::vec2 blur = blurRadius_px(defocus_, 1.0f / g.distance_m);
+    glm::vec2 radius = defocus_.radius_px_per_D;
+    glm::vec2 blur = blurRadius_px(defocus_, 1.0f / g.distance_m);
+    float least_px = std::min(blur.x, blur.y);
+    if (const LensField* field = shownField(defocus_)) {
+      const glm::vec2 offset_px = glm::vec2(g.x_px, g.y_px) - view_.principal_px;
+      const float point_D = 1.0f / g.distance_m;
+      const auto [least, most] = field->blurBounds_px(offset_px, 0.0f, defocus_, point_D, 0.0f);
+      const LocalLens lens = field->at(offset_px);
+      const glm::mat2 per_D = lens.imagePerAngle() * lens.pupil();
+      radius = {std::hypot(per_D[0][0], per_D[1][0]), std::hypot(per_D[0][1], per_D[1][1])};
+      blur = glm::vec2(most);
+      least_px = least;
+    }
     const glm::vec2 sharp = glm::sqrt(glm::vec2(g.vxx, g.vyy));
     const float vergence = std::sqrt(g.e);
     glm::vec2 half(0.0f);
@@ -112,7 +124,7 @@ class Projection {
       return static_cast<std::uint16_t>(std::clamp(px, 0.0f, below - 1.0f));
     };
     key = {.distance_m = depth,
-           .sigma_px = blurs_ ? kSigmaPerBlur * std::min(blur.x, blur.y) : 0.0f,
+           .sigma_px = blurs_ ? kSigmaPerBlur * least_px : 0.0f,
            .blur_px = std::max(blur.x, blur.y),
            .x0 = pixel(low.x, size.x),
            .x1 = pixel(high.x, size.x),

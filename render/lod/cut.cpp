@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "render/lod/back_faces.h"
+#include "render/optics/lens_field.h"
 
 namespace foci {
 namespace {
@@ -140,18 +141,16 @@ class Selector {
     const glm::vec2 at = view_.principal_px + offset;
     const glm::vec2 spread = radius * inv_nearest * (view_.focal_px + glm::abs(offset));
     const float finest_px = settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px));
-    const glm::vec2 reach =
-        kWidestReach *
-        (0.5f * spread + 0.6f * (maxDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D +
-         finest_px);
+    const OffFocus off = offFocus(defocus_, offset, glm::length(spread), inv, range_D);
+    const glm::vec2 blur_px = off.max_D * defocus_.radius_px_per_D;
+    const glm::vec2 reach = kWidestReach * (0.5f * spread + 0.6f * blur_px + finest_px);
     const glm::vec2 size(view_.size_px), outside = glm::max(-at, at - size);
     const auto margin = static_cast<float>(settings_.margin_px);
     const float widest_px = finest_px + settings_.acuity.per_px * std::max(spread.x, spread.y);
-    const glm::vec2 blur_px = (maxDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D;
     const glm::vec2 touches = spread + kWidestSupport * (0.5f * blur_px + widest_px);
     if (outside.x > touches.x + margin || outside.y > touches.y + margin) return kOutside;
-    const float allowed = min_px2(inv, range_D, at, reach);
-    const float blurred = blurred_px2(minOff_D(inv, range_D));
+    const float allowed = min_px2(off, at, reach);
+    const float blurred = blurred_px2(off.min_D);
     const float coarseness = settings_.foreshortened
                                  ? coarsenessInView(index, 1.0f - blurred / allowed)
                                  : tree_.coarseness()[index].now_m2;
@@ -163,8 +162,10 @@ class Selector {
     if (depth - around < view_.near_m) return now;
     const float around_D = around * inv / std::max(distance - around, view_.near_m);
     const float shows = settings_.foreshortened ? kEdgeOn : 1.0f;
-    below = {.min = shows * perCoarseness(depth + around, max_px2(inv, around_D, at, 3.0f * reach)),
-             .max = perCoarseness(depth - around, min_px2(inv, around_D, at, 3.0f * reach)),
+    const OffFocus off_around =
+        offFocus(defocus_, offset, 3.0f * glm::length(spread), inv, around_D);
+    below = {.min = shows * perCoarseness(depth + around, max_px2(off_around, at, 3.0f * reach)),
+             .max = perCoarseness(depth - around, min_px2(off_around, at, 3.0f * reach)),
              .in_view = at.x > spread.x && at.y > spread.y && at.x + spread.x < size.x &&
                         at.y + spread.y < size.y};
     return now;
@@ -190,17 +191,13 @@ class Selector {
 
   /// Smallest and largest allowed variance within a range of dioptres and pixels. finest_px grows
   /// with the distance from the gaze.
-  float min_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
+  float min_px2(const OffFocus& off, const glm::vec2& at, const glm::vec2& reach) const {
     const glm::vec2 from_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
-    return allowed_px2(minOff_D(inv, range_D), settings_.acuity.finest_px(glm::length(from_px)));
+    return allowed_px2(off.min_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
-  float max_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
-    const float max_D = maxDefocus_D(defocus_, inv) + range_D;
+  float max_px2(const OffFocus& off, const glm::vec2& at, const glm::vec2& reach) const {
     const glm::vec2 from_px = glm::abs(at - settings_.acuity.gaze_px) + reach;
-    return allowed_px2(max_D, settings_.acuity.finest_px(glm::length(from_px)));
-  }
-  float minOff_D(float inv, float range_D) const {
-    return std::max(minDefocus_D(defocus_, inv) - range_D, 0.0f);
+    return allowed_px2(off.max_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
   float blurred_px2(float defocus_D) const {
     return settings_.per_blur2 * blur2_ * defocus_D * defocus_D;

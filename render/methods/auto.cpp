@@ -24,6 +24,7 @@
 #include "render/methods/quality_level.h"
 #include "render/methods/quality_level_table.h"
 #include "render/methods/spot_check.h"
+#include "render/optics/lens_field.h"
 
 namespace foci {
 namespace {
@@ -158,12 +159,14 @@ class AutoMethod final : public Method {
     const Defocus& defocus = settings.defocus;
     const auto distances = distancesInView(*scene_.tree(), view, defocus);
     if (!distances) return 0.0f;
-    const float max_D = std::max(maxDefocus_D(defocus, 1.0f / distances->first),
-                                 maxDefocus_D(defocus, 1.0f / distances->second));
+    const float near_D = 1.0f / distances->first, far_D = 1.0f / distances->second;
+    const LensField* field = shownField(defocus);
+    const float widest_px =
+        field ? std::max(field->maxBlur_px(defocus, near_D), field->maxBlur_px(defocus, far_D))
+              : std::max(maxDefocus_D(defocus, near_D), maxDefocus_D(defocus, far_D)) *
+                    std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
     constexpr float kWidest_px = 1e6f;  // an eye that touches a surface sees an infinite blur
-    return std::min(max_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y) +
-                        aberrationRadius_px(defocus, settings.pupil),
-                    kWidest_px);
+    return std::min(widest_px + aberrationRadius_px(defocus, settings.pupil), kWidest_px);
   }
 
   QualityLevel choose(const UnblurredView& view, const RenderSettings& settings, float blur_px) {

@@ -8,6 +8,7 @@
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/view_splats.h"
+#include "render/optics/lens_field.h"
 
 namespace foci {
 namespace {
@@ -130,7 +131,7 @@ RenderStats LodSplats::renderPart(const View& view, const RenderSettings& settin
       part.radius > 0.0f ? widened(lod.cut.acuity, part) : widened(lod.cut.acuity, settings.pupil);
   detail.cut.per_blur2 *= part.radius * part.radius;
   detail.sub_apertures = 1;
-  if (gpu_) {
+  if (gpu_ && !shownField(part.defocus)) {
     GpuRequest request = gpuRequest(seen, of_part, detail);
     request.lens = part.centre;
     request.aperture = part.radius;
@@ -153,7 +154,8 @@ GpuRequest LodSplats::gpuRequest(const View& view, const RenderSettings& setting
 
 RenderStats LodSplats::renderLens(const View& view, const RenderSettings& settings,
                                   const LodSettings& lod, Frame& frame) {
-  if (gpu_) return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame.gpu));
+  if (gpu_ && !shownField(settings.defocus))
+    return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame.gpu));
   const Projection projection = projectionFor(lod.sub_apertures, settings);
   return renderSplats(binnedOf(view, settings.defocus, lod.cut, projection), lod,
                       sweepSettings(settings, lod), frame);
@@ -180,9 +182,11 @@ void LodSplats::binCut(const Binned& wanted) {
 std::uint64_t LodSplats::sweepTiles(const Binned& of, const LodSettings& lod,
                                     SweepSettings settings, Frame& frame) {
   settings.defocus = of.defocus;
+  settings.principal_px = of.view.principal_px;
   SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),
                              .out_of_focus_D = chunks_.out_of_focus_D.get(),
                              .out_across_D = chunks_.out_across_D.get(),
+                             .lens_px = chunks_.lens_px.get(),
                              .centres = {}};
   if (of.projection.sub_aperture > 0.0f && lod.sub_apertures > 1) {
     sub_apertures.centres = subApertureCentres(lod.sub_apertures);

@@ -159,7 +159,10 @@ Frame SpotCheck::render(const Job& job) {
                buffers->chunks);
     buffers->lists.build(buffers->chunks, square.view.size_px);
     sweep(buffers->chunks, buffers->lists,
-          {.background = settings_.background, .defocus = part.defocus}, frame);
+          {.background = settings_.background,
+           .defocus = part.defocus,
+           .principal_px = square.view.principal_px},
+          frame);
   }
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(buffers));

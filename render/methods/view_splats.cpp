@@ -1,6 +1,7 @@
 #include "render/methods/view_splats.h"
 
 #include "base/parallel.h"
+#include "render/optics/lens_field.h"
 #include "render/splat/sweep.h"
 
 namespace foci {
@@ -9,6 +10,7 @@ void ViewSplats::project(const SurfelCloud& cloud, const View& view, const Rende
                          Projection projection, const std::optional<CutSettings>& cut) {
   projection.shading = settings.shading;
   size_px_ = view.size_px;
+  principal_px_ = view.principal_px;
   defocus_ = settings.defocus;
   if (cut) {
     const std::shared_ptr<const MomentTree> tree = builtTree(cloud);
@@ -23,6 +25,7 @@ void ViewSplats::project(const SurfelCloud& cloud, const View& view, const Rende
 void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Splat&)>& belongs) {
   const SplatChunks& from = all.chunks_;
   size_px_ = all.size_px_;
+  principal_px_ = all.principal_px_;
   defocus_ = all.defocus_;
   chunks_.chunk_size = from.chunk_size;
   chunks_.count.assign(from.count.size(), 0);
@@ -47,7 +50,11 @@ void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Sp
 
 std::uint64_t ViewSplats::render(const glm::vec3& background, bool depth, Frame& frame) const {
   frame.resize(size_px_, depth);
-  return sweep(chunks_, lists_, {.background = background, .defocus = defocus_, .depth = depth},
+  return sweep(chunks_, lists_,
+               {.background = background,
+                .defocus = defocus_,
+                .principal_px = principal_px_,
+                .depth = depth},
                frame);
 }
 
@@ -69,7 +76,7 @@ void PartSplats::render(const View& view, RenderSettings settings, const LensPar
                         const Acuity& acuity, Frame& frame, RenderStats& stats) {
   const View seen = viewOfPart(view, part);
   settings.defocus = part.defocus;
-  if (gpu_) {
+  if (gpu_ && !shownField(part.defocus)) {
     GpuRequest request = gpuRequestOf(seen, settings);
     request.lens = part.centre;
     request.aperture = part.radius;

@@ -63,6 +63,7 @@ class ViewSplats {
   SplatChunks chunks_;
   TileLists lists_;
   glm::ivec2 size_px_{0};
+  glm::vec2 principal_px_{0.0f};
   Defocus defocus_;
 };
 

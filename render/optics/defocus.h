@@ -3,8 +3,11 @@
 
 #include <cmath>
 #include <glm/glm.hpp>
+#include <memory>
 
 namespace foci {
+
+class LensField;
 
 /// The line along which the distances U (point) and P (focus) are measured.
 enum class DistanceAlong {
@@ -29,6 +32,8 @@ struct Defocus {
   float focus_D = 0.0f;             ///< for an astigmatic lens, the mean of all meridians
   DistanceAlong along = DistanceAlong::sight;
   glm::vec2 astigmatism_D{0.0f};  ///< (J0, J45); 0: a round lens
+  /// What each direction adds (lens_field.h); null: nothing. Made for `radius_px_per_D`.
+  std::shared_ptr<const LensField> field = nullptr;
   bool operator==(const Defocus&) const = default;
 };
 
@@ -39,6 +44,7 @@ inline constexpr float kDiscVariancePerRadius2 = 0.25f;
 /// (Eq. 11).
 inline constexpr float kGaussianVariancePerRadius2 = 0.36067376f;
 
+/// The same in all directions.
 inline bool isAstigmatic(const Defocus& defocus) {
   return defocus.astigmatism_D != glm::vec2(0.0f);
 }

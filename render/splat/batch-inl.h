@@ -72,15 +72,31 @@ struct Batch {
 struct SubApertureView {
   glm::vec2 centre;
   glm::vec2 px_per_D, across_px_per_D;
+  /// Where directions have their own lens, splats have a matrix (`SubApertures::lens_px`) that
+  /// displaces them by its product with the centre, and by this.
+  glm::vec2 shift_px{0.0f};
 };
 
 /// A tile's splats, front to back. One object serves tile after tile, so it allocates seldom.
 struct SubApertureSplats {
-  enum Value { kX, kY, kExtentX, kExtentY, kOut, kAcross, kTiltX, kTiltY, kValues };
+  enum Value {
+    kX,
+    kY,
+    kExtentX,
+    kExtentY,
+    kOut,  ///< or the matrix's first row, in kAcross, too
+    kAcross,
+    kTiltX,
+    kTiltY,
+    kRow,  ///< the second row; with a matrix only
+    kRowAcross,
+    kValues
+  };
 
   std::vector<Splat> splats;
   std::vector<float> values[kValues];  ///< by splat, in pixels and dioptres
   std::vector<std::size_t> ends;       ///< splat counts before each gap in depth, and the total
+  bool by_matrix = false;
 
   /// Makes room for `count` splats, and for a SIMD step that reads past the last one.
   void reset(std::size_t count) {
@@ -102,6 +118,14 @@ struct SubApertureSplats {
     values[kTiltY][i] = lens.tilt_y;
   }
 
+  /// After `set`.
+  HWY_INLINE void setMatrix(std::size_t i, const glm::mat2& lens_px) {
+    values[kOut][i] = lens_px[0][0];
+    values[kAcross][i] = lens_px[1][0];
+    values[kRow][i] = lens_px[0][1];
+    values[kRowAcross][i] = lens_px[1][1];
+  }
+
   /// Puts the splats of [begin, end) that meet the samples from `first_px` to `last_px` into the
   /// batch. Stops when the batch has no room for another SIMD step.
   /// @return the index to continue from; `end` when all are done
@@ -115,13 +139,17 @@ struct SubApertureSplats {
     for (; at < end && batch.count + step <= Batch::kCapacity; at += step) {
       const std::size_t some = std::min(step, end - at);
       const auto load = [&](Value v) { return hn::LoadU(d, values[v].data() + at); };
-      const V out = load(kOut), across = load(kAcross);
-      const auto seenAt = [&](Value v, float per_D, float across_per_D) {
-        return hn::MulAdd(out, hn::Set(d, per_D),
-                          hn::MulAdd(across, hn::Set(d, across_per_D), load(v)));
+      const auto seenAt = [&](Value v, Value out, Value across, float per_D, float across_per_D) {
+        return hn::MulAdd(load(out), hn::Set(d, per_D),
+                          hn::MulAdd(load(across), hn::Set(d, across_per_D), load(v)));
       };
-      const V x = seenAt(kX, view.px_per_D.x, view.across_px_per_D.x);
-      const V y = seenAt(kY, view.px_per_D.y, view.across_px_per_D.y);
+      V x = seenAt(kX, kOut, kAcross, view.px_per_D.x, view.across_px_per_D.x);
+      V y = seenAt(kY, by_matrix ? kRow : kOut, by_matrix ? kRowAcross : kAcross, view.px_per_D.y,
+                   view.across_px_per_D.y);
+      if (by_matrix) {
+        x = hn::Add(x, hn::Set(d, view.shift_px.x));
+        y = hn::Add(y, hn::Set(d, view.shift_px.y));
+      }
       const V extent_x = load(kExtentX), extent_y = load(kExtentY);
       const V left = hn::Sub(x, extent_x), right = hn::Add(x, extent_x);
       const V top = hn::Sub(y, extent_y), bottom = hn::Add(y, extent_y);

@@ -36,6 +36,7 @@ struct SplatsOut {
   Splat* sub_aperture_splats;
   float* out_of_focus_D;
   float* out_across_D;
+  glm::mat2* lens_px;
 };
 
 }  // namespace foci
@@ -160,6 +161,13 @@ HWY_INLINE void finishSubAperture(const ProjectJob& job, const ProjectedLanes& l
     const float rest = 1.0f - share - missing / std::max(variance, 1e-12f);
     return off_D * std::sqrt(std::max(rest, 0.0f));
   };
+  if (out.lens_px) {
+    const float rest = 1.0f - share - missing / std::max(blur, 1e-12f);
+    out.lens_px[at] =
+        std::sqrt(std::max(rest, 0.0f)) * glm::mat2(lanes.lens_px[0][k], lanes.lens_px[2][k],
+                                                    lanes.lens_px[1][k], lanes.lens_px[3][k]);
+    return;
+  }
   const float off_D = lanes.out_of_focus_D[k];
   if (!out.lens_across) {
     out.out_of_focus_D[at] = spread(off_D, blur);

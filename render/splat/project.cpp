@@ -147,10 +147,11 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   const glm::vec2 lens = projection.lens, j = defocus.astigmatism_D,
                   radius = defocus.radius_px_per_D;
   const glm::vec2 aside_D(j.x * lens.x + j.y * lens.y, j.y * lens.x - j.x * lens.y);
+  const LensField* field = shownField(defocus);
   ProjectJob job{.rows = rows,
                  .eye = -rows * glm::vec3(view.eye_from_world[3]),
                  .focal = view.focal_px,
-                 .principal = view.principal_px + radius * aside_D,
+                 .principal = view.principal_px + (field ? glm::vec2(0.0f) : radius * aside_D),
                  .size = view.size_px,
                  .near_m = view.near_m,
                  .margin = static_cast<float>(projection.margin_px),
@@ -158,7 +159,7 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
                  .focus_D = defocus.focus_D,
                  .j = j,
                  .astigmatism = 0.0f,
-                 .lens = radius * lens,
+                 .lens = field ? glm::vec2(0.0f) : radius * lens,
                  .sub_aperture = projection.sub_aperture,
                  .acuity = projection.acuity,
                  .along_axis = defocus.along == DistanceAlong::axis,
@@ -168,7 +169,10 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
                  .shapes = kernelShapes().data(),
                  .outside = outside.empty() ? nullptr : outside.data(),
                  .lens_m = lensRadius_m(view, defocus),
-                 .lens_px_per_D = std::sqrt(radius.x * radius.y)};
+                 .lens_px_per_D = std::sqrt(radius.x * radius.y),
+                 .field = field,
+                 .centre = lens,
+                 .aperture = projection.aperture};
   if (blurs(job)) job.astigmatism = glm::length(j);
   return job;
 }
@@ -185,7 +189,7 @@ SurfelArrays arraysOf(const SurfelCloud& cloud) {
 }
 
 void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
-  const bool lens = blurs(job), across = job.astigmatism > 0.0f,
+  const bool lens = blurs(job), field = lens && job.field, across = field || job.astigmatism > 0.0f,
              sub_apertures = job.sub_aperture > 0.0f;
   if (chunks.capacity < splats) {
     chunks = {};
@@ -204,8 +208,9 @@ void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
   room(chunks.lens, lens);
   room(chunks.lens_across, across);
   room(chunks.sub_aperture_splats, sub_apertures);
-  room(chunks.out_of_focus_D, sub_apertures);
-  room(chunks.out_across_D, sub_apertures && across);
+  room(chunks.out_of_focus_D, sub_apertures && !field);
+  room(chunks.out_across_D, sub_apertures && across && !field);
+  room(chunks.lens_px, sub_apertures && field);
 }
 
 SplatsOut outOf(SplatChunks& chunks, std::size_t first) {
@@ -216,7 +221,8 @@ SplatsOut outOf(SplatChunks& chunks, std::size_t first) {
           from(chunks.lens_across),
           from(chunks.sub_aperture_splats),
           from(chunks.out_of_focus_D),
-          from(chunks.out_across_D)};
+          from(chunks.out_across_D),
+          from(chunks.lens_px)};
 }
 
 }  // namespace

@@ -18,7 +18,9 @@
 #include "render/kernel/kernel.h"
 #include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
+#include "render/optics/lens_field.h"
 #include "render/splat/constants.h"
+#include "render/splat/field_lanes-inl.h"
 #include "render/splat/footprint-inl.h"
 
 #ifndef FOCI_PROJECT_LANES_ONCE
@@ -45,6 +47,9 @@ struct ProjectJob {
   const std::uint8_t* outside;  // `bodiesFromOutside`; null: there are no bodies
   float lens_m;                 // `lensRadius_m`
   float lens_px_per_D;          // blur radius of the whole lens
+  const LensField* field;       // `shownField`; then `lens` is 0
+  glm::vec2 centre;             // of the aperture, lens radii
+  float aperture;               // its radius over the lens's
 };
 
 }  // namespace foci
@@ -73,6 +78,7 @@ struct ProjectedLanes {
   alignas(64) float added[kCapacity];              // variance that merging added, of one axis
   alignas(64) float out_of_focus_D[kCapacity];     // along the nearest meridian
   alignas(64) float out_across_D[kCapacity] = {};  // across it; astigmatic lens only
+  alignas(64) float lens_px[4][kCapacity];         // `PartLens::blur_px` by rows; with a field only
   alignas(64) float tilt_x[kCapacity], tilt_y[kCapacity];  // see `SplatLens`
   alignas(64) float area_px[kCapacity];
   alignas(64) float distance[kCapacity], reach[kCapacity];
@@ -88,8 +94,12 @@ struct BlurVariance {
   V x2, y2, narrow;
 };
 
-/// The ellipse of confusion of an astigmatic lens: blur of variance k B B', B = diag(r) (F - I/U),
-/// on splats of variance `sharp`, prefilter included.
+/// A splat's variance, the prefilter included, and the variance of its blur, px^2.
+struct BlurredVariance {
+  V sharp_xx, sharp_xy, sharp_yy, blur_xx, blur_xy, blur_yy;
+};
+
+/// Unblurred variance over the squared blur radius, for an ellipse of confusion.
 ///
 /// Let f1 >= f2 be the blur's shares of W along its principal axes. The kernel with the mean fourth
 /// moment of ellipse and Gaussian (of q, over W) is the kernel of a disc with the share f:
@@ -98,6 +108,33 @@ struct BlurVariance {
 ///
 /// For a disc f = f1 = f2. The formula gives a line a bell that is longer than the line, so
 /// kLongAxis of f^2 is f1^2.
+HWY_INLINE V narrowOfEllipse(float k, const BlurredVariance& v, ProjectedLanes& out) {
+  const D d;
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  const V sharp_det = hn::NegMulAdd(v.sharp_xy, v.sharp_xy, hn::Mul(v.sharp_xx, v.sharp_yy));
+  hn::Store(hn::Sqrt(hn::Max(sharp_det, hn::Zero(d))), d, out.unblurred);
+
+  // f1 + f2 = tr(W^-1 B), f1 f2 = |B| / |W|, with B the blur's variance.
+  const V bxx = v.blur_xx, bxy = v.blur_xy, byy = v.blur_yy;
+  const V wxx = hn::Add(v.sharp_xx, bxx), wxy = hn::Add(v.sharp_xy, bxy);
+  const V wyy = hn::Add(v.sharp_yy, byy);
+  const V inv_det = hn::Div(set(1.0f), hn::NegMulAdd(wxy, wxy, hn::Mul(wxx, wyy)));
+  const V sum = hn::Mul(
+      inv_det, hn::NegMulAdd(hn::Add(wxy, wxy), bxy, hn::MulAdd(wyy, bxx, hn::Mul(wxx, byy))));
+  const V product = hn::Mul(inv_det, hn::NegMulAdd(bxy, bxy, hn::Mul(bxx, byy)));
+  const V moment2 = hn::MulAdd(hn::Mul(set(0.375f), sum), sum, hn::Mul(set(-0.5f), product));
+  const V apart2 = hn::MulAdd(sum, sum, hn::Mul(set(-4.0f), product));
+  const V longer = hn::Mul(set(0.5f), hn::Add(sum, hn::Sqrt(hn::Max(apart2, hn::Zero(d)))));
+  const V share2 =
+      hn::MulAdd(hn::Mul(set(kLongAxis), longer), longer, hn::Mul(set(1.0f - kLongAxis), moment2));
+  const V share = hn::Sqrt(hn::Max(share2, set(1e-12f)));
+  // Of a disc, share = k / (k + narrow).
+  const V narrow = hn::Mul(set(k), hn::Sub(hn::Div(set(1.0f), share), set(1.0f)));
+  return hn::Max(narrow, hn::Zero(d));
+}
+
+/// The ellipse of confusion of an astigmatic lens: blur of variance k B B', B = diag(r) (F - I/U),
+/// on splats of variance `sharp`, prefilter included.
 HWY_INLINE BlurVariance blurEllipse(const ProjectJob& job, V out_of_focus_D, V sharp_xx, V sharp_xy,
                                     V sharp_yy, ProjectedLanes& out) {
   const D d;
@@ -117,25 +154,51 @@ HWY_INLINE BlurVariance blurEllipse(const ProjectJob& job, V out_of_focus_D, V s
   hn::Store(hn::Mul(set(radius), hn::Add(mean_D, astigmatism)), d, out.radius);
   hn::Store(hn::Add(out_of_focus_D, astigmatism), d, out.out_of_focus_D);
   hn::Store(hn::Sub(out_of_focus_D, astigmatism), d, out.out_across_D);
-  const V sharp_det = hn::NegMulAdd(sharp_xy, sharp_xy, hn::Mul(sharp_xx, sharp_yy));
-  hn::Store(hn::Sqrt(hn::Max(sharp_det, hn::Zero(d))), d, out.unblurred);
+  const V narrow = narrowOfEllipse(k, {sharp_xx, sharp_xy, sharp_yy, bxx, bxy, byy}, out);
+  return {bxx, byy, narrow};
+}
 
-  // f1 + f2 = tr(W^-1 B), f1 f2 = |B| / |W|, with B the blur's variance.
-  const V wxx = hn::Add(sharp_xx, bxx), wxy = hn::Add(sharp_xy, bxy);
-  const V wyy = hn::Add(sharp_yy, byy);
-  const V inv_det = hn::Div(set(1.0f), hn::NegMulAdd(wxy, wxy, hn::Mul(wxx, wyy)));
-  const V sum = hn::Mul(
-      inv_det, hn::NegMulAdd(hn::Add(wxy, wxy), bxy, hn::MulAdd(wyy, bxx, hn::Mul(wxx, byy))));
-  const V product = hn::Mul(inv_det, hn::NegMulAdd(bxy, bxy, hn::Mul(bxx, byy)));
-  const V moment2 = hn::MulAdd(hn::Mul(set(0.375f), sum), sum, hn::Mul(set(-0.5f), product));
-  const V apart2 = hn::MulAdd(sum, sum, hn::Mul(set(-4.0f), product));
-  const V longer = hn::Mul(set(0.5f), hn::Add(sum, hn::Sqrt(hn::Max(apart2, hn::Zero(d)))));
-  const V share2 =
-      hn::MulAdd(hn::Mul(set(kLongAxis), longer), longer, hn::Mul(set(1.0f - kLongAxis), moment2));
-  const V share = hn::Sqrt(hn::Max(share2, set(1e-12f)));
-  // Of a disc, share = k / (k + narrow).
-  const V narrow = hn::Mul(set(k), hn::Sub(hn::Div(set(1.0f), share), set(1.0f)));
-  return {bxx, byy, hn::Max(narrow, hn::Zero(d))};
+/// The ellipse of confusion where each direction has its own lens: the variance k a^2 B B' of its
+/// linear part, and that of coma, a^4 C.
+HWY_INLINE BlurVariance blurOfField(const ProjectJob& job, const PartLens& lens,
+                                    const LocalLanes& local, V sharp_xx, V sharp_xy, V sharp_yy,
+                                    ProjectedLanes& out) {
+  const D d;
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  const float k = job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2;
+  const float a2 = job.aperture * job.aperture;
+  const V linear = set(k * a2), coma = set(a2 * a2);
+  const Matrix2& b = lens.blur_px;
+  const auto variance = [&](V ax, V ay, V bx, V by, LocalLens::Value c) {
+    return hn::MulAdd(linear, hn::MulAdd(ax, bx, hn::Mul(ay, by)), hn::Mul(coma, local[c]));
+  };
+  const V bxx = variance(b.xx, b.xy, b.xx, b.xy, LocalLens::kCxx);
+  const V bxy = variance(b.xx, b.xy, b.yx, b.yy, LocalLens::kCxy);
+  const V byy = variance(b.yx, b.yy, b.yx, b.yy, LocalLens::kCyy);
+  const V half = set(0.5f), zero = hn::Zero(d);
+  const V middle = hn::Mul(half, hn::Add(bxx, byy)), off = hn::Mul(half, hn::Sub(bxx, byy));
+  const V apart = hn::Sqrt(hn::MulAdd(off, off, hn::Mul(bxy, bxy)));
+  hn::Store(bxy, d, out.blur_xy);
+  hn::Store(hn::Max(hn::Sub(middle, apart), zero), d, out.blur_min2);
+  hn::Store(hn::Sqrt(hn::Mul(set(1.0f / k), hn::Add(middle, apart))), d, out.radius);
+
+  // B along the meridian of the nearest focus (`LensField::meridianAt`), and across.
+  const float mean = std::sqrt(job.blur.x * job.blur.y);
+  const V per_D = set(mean > 0.0f ? 0.5f * job.aperture / mean : 0.0f);
+  const V length =
+      hn::Sqrt(hn::MulAdd(lens.apart_px, lens.apart_px, hn::Mul(lens.aside_px, lens.aside_px)));
+  const V inv = hn::Div(set(1.0f), hn::Max(length, set(1e-12f)));
+  const V along = hn::Mul(inv, hn::MulAdd(hn::Sub(b.xx, b.yy), lens.apart_px,
+                                          hn::Mul(hn::Add(b.xy, b.yx), lens.aside_px)));
+  const V trace = hn::Add(b.xx, b.yy);
+  hn::Store(hn::Mul(per_D, hn::Add(trace, along)), d, out.out_of_focus_D);
+  hn::Store(hn::Mul(per_D, hn::Sub(trace, along)), d, out.out_across_D);
+  hn::Store(b.xx, d, out.lens_px[0]);
+  hn::Store(b.xy, d, out.lens_px[1]);
+  hn::Store(b.yx, d, out.lens_px[2]);
+  hn::Store(b.yy, d, out.lens_px[3]);
+  const V narrow = narrowOfEllipse(k, {sharp_xx, sharp_xy, sharp_yy, bxx, bxy, byy}, out);
+  return {bxx, byy, narrow};
 }
 
 /// The centres of a step's surfels or nodes, as the aperture's centre sees them.
@@ -153,8 +216,10 @@ struct Centres {
 
 /// Projects centres by perspective, with the Jacobian at each:
 ///   x = c_x + f_x X / d,  y = c_y - f_y Y / d,  d = -Z.
+/// @param local, lens  output; set with a field only
 template <class Source>
-HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, std::size_t i) {
+HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, std::size_t i,
+                                  LocalLanes& local, PartLens& lens) {
   const D d;
   const V one = hn::Set(d, 1.0f);
   const auto set = [&](float value) { return hn::Set(d, value); };
@@ -183,7 +248,19 @@ HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, s
   c.x_px = hn::MulAdd(set(job.focal.x), tx, c.axis_x_px);
   c.y_px = hn::NegMulAdd(set(job.focal.y), ty, c.axis_y_px);
   const V slope = hn::Mul(inv_distance, inv_distance);
-  const V slope_x = hn::Mul(set(job.lens.x), slope), slope_y = hn::Mul(set(job.lens.y), slope);
+  V slope_x = hn::Mul(set(job.lens.x), slope), slope_y = hn::Mul(set(job.lens.y), slope);
+  if (job.field) {
+    localLenses(*job.field, hn::Mul(set(job.focal.x), tx), hn::Mul(set(-job.focal.y), ty), local);
+    lens = partLens(local, c.out_of_focus_D, job.j, job.centre, job.aperture);
+    c.axis_x_px = hn::Add(c.axis_x_px, lens.shift_x_px);
+    c.axis_y_px = hn::Add(c.axis_y_px, lens.shift_y_px);
+    c.x_px = hn::Add(c.x_px, lens.shift_x_px);
+    c.y_px = hn::Add(c.y_px, lens.shift_y_px);
+    const Matrix2& per_D = lens.per_D_px;
+    const V x = set(job.centre.x), y = set(job.centre.y);
+    slope_x = hn::Mul(slope, hn::MulAdd(per_D.xx, x, hn::Mul(per_D.xy, y)));
+    slope_y = hn::Mul(slope, hn::MulAdd(per_D.yx, x, hn::Mul(per_D.yy, y)));
+  }
   const auto gradients = [&](V p_axis, V right_axis, V up_axis, V back_axis, V& x, V& y, V& along) {
     along = job.along_axis ? hn::Neg(back_axis) : hn::Mul(p_axis, c.inv_sight);
     x = hn::MulAdd(slope_x, along, hn::Mul(sx, hn::MulAdd(back_axis, tx, right_axis)));
@@ -209,7 +286,8 @@ HWY_INLINE V prefilterAt(const ProjectJob& job, V x_px, V y_px) {
 
 /// Blur by the circle of confusion (Eq. 4 in dioptres), or by the ellipse of an astigmatic lens.
 HWY_INLINE BlurVariance blurOf(const ProjectJob& job, const Footprint& f, V out_of_focus_D,
-                               V prefilter, ProjectedLanes& out) {
+                               V prefilter, const LocalLanes& local, const PartLens& lens,
+                               ProjectedLanes& out) {
   const D d;
   const V one = hn::Set(d, 1.0f);
   const auto set = [&](float value) { return hn::Set(d, value); };
@@ -220,6 +298,10 @@ HWY_INLINE BlurVariance blurOf(const ProjectJob& job, const Footprint& f, V out_
   const V y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
   // A node's kernel has edges soft enough that neighbouring nodes still sum to one.
   const V soft = hn::MulAdd(hn::Set(d, kOverlap - 1.0f), hn::Sub(one, f.own), one);
+  if (job.field) {
+    return blurOfField(job, lens, local, hn::MulAdd(soft, f.vxx, prefilter), hn::Mul(soft, f.vxy),
+                       hn::MulAdd(soft, f.vyy, prefilter), out);
+  }
   if (job.astigmatism != 0.0f) {
     return blurEllipse(job, out_of_focus_D, hn::MulAdd(soft, f.vxx, prefilter),
                        hn::Mul(soft, f.vxy), hn::MulAdd(soft, f.vyy, prefilter), out);
@@ -307,11 +389,13 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
                              ProjectedLanes& out) {
   const D d;
   const V one = hn::Set(d, 1.0f);
-  const Centres c = projectCentres(job, source, i);
+  LocalLanes local;
+  PartLens lens;
+  const Centres c = projectCentres(job, source, i, local, lens);
   const Footprint f = footprintOf(source, i, c.to);
   const V reach = hn::Sqrt(hn::MulAdd(hn::Set(d, kReach2), f.along2, f.thick2));
   const V prefilter = prefilterAt(job, c.x_px, c.y_px);
-  const BlurVariance blur = blurOf(job, f, c.out_of_focus_D, prefilter, out);
+  const BlurVariance blur = blurOf(job, f, c.out_of_focus_D, prefilter, local, lens, out);
   const V narrow = job.gaussian ? hn::Max(blur.narrow, one) : blur.narrow;  // 1: the bell
   const V vxx = hn::MulAdd(f.own, f.vxx, prefilter);
   const V vyy = hn::MulAdd(f.own, f.vyy, prefilter);

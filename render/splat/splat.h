@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 #include "base/large_array.h"
@@ -81,6 +82,7 @@ struct SplatChunks {
   LargeArray<Splat> sub_aperture_splats;
   LargeArray<float> out_of_focus_D;
   LargeArray<float> out_across_D;  ///< null: the lens is round
+  LargeArray<glm::mat2> lens_px;   ///< replaces both where directions have their own lens
   std::size_t capacity = 0;
   std::size_t chunk_size = 0;
   std::vector<std::uint32_t> count;

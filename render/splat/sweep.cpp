@@ -95,7 +95,11 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
     const auto step_px = static_cast<float>(tile.step_px);
     const float first_px = step_px * (0.5f - static_cast<float>(tile.apron()));
     const glm::vec2 radius = settings.defocus.radius_px_per_D;
-    const float oblong = radius.x > 0.0f && radius.y > 0.0f ? std::sqrt(radius.y / radius.x) : 1.0f;
+    const LensField* field = chunks.lens_across ? shownField(settings.defocus) : nullptr;
+    const glm::vec2 middle_px = glm::vec2(tile.x_px, tile.y_px) +
+                                0.5f * static_cast<float>(tile.side_px) - settings.principal_px;
+    const float oblong =
+        !field && radius.x > 0.0f && radius.y > 0.0f ? std::sqrt(radius.y / radius.x) : 1.0f;
     const TileJob job{
         .splats = chunks.splats.get(),
         .entries = list.data(),
@@ -106,7 +110,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .y = static_cast<float>(tile.y_px) + first_px,
         .lens_x = oblong,
         .lens_y = 1.0f / oblong,
-        .meridian = meridian,
+        .meridian = field ? field->meridianAt(middle_px, settings.defocus) : meridian,
         .per_step = 1.0f / step_px,
         .background = {settings.background.r, settings.background.g, settings.background.b},
         .coverage = closingFactor(settings.low_pass_px, tile.blur_px),
@@ -117,6 +121,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .sub_aperture_share = std::min(
             (tile.blur_px - kSubAperturesFrom_px) / (kSubAperturesOnly_px - kSubAperturesFrom_px),
             1.0f),
+        .local = field ? std::optional(field->at(middle_px)) : std::nullopt,
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
     fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, survey.transparent);

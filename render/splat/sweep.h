@@ -21,13 +21,16 @@ struct SubApertures {
   /// focus_D - 1/U. For an astigmatic lens the first is along its nearest meridian, the second
   /// across it.
   const float* out_of_focus_D;
-  const float* out_across_D;       ///< null: the lens is round
+  const float* out_across_D;  ///< null: the lens is round
+  const glm::mat2*
+      lens_px;  ///< replaces both where directions have their own lens (`Defocus::field`)
   std::vector<glm::vec2> centres;  ///< lens radii
 };
 
 struct SweepSettings {
-  glm::vec3 background;      ///< linear RGB
-  Defocus defocus;           ///< the one that projected the splats
+  glm::vec3 background;          ///< linear RGB
+  Defocus defocus;               ///< the one that projected the splats
+  glm::vec2 principal_px{0.0f};  ///< of the view, for `Defocus::field`
   float low_pass_px = 0.0f;  ///< standard deviation of a low-pass of the frame (`closingFactor`)
   bool depth = false;        ///< fill Frame::depth_m
   const SubApertures* sub_apertures = nullptr;  ///< null: the whole aperture only

@@ -300,6 +300,18 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
     const bool round = !all.out_across_D;
     static thread_local SubApertureSplats splats;
     gather(splats);
+    if (job.local) {
+      const std::vector<glm::vec2> shifts_px = comaShifts_px(*job.local, all.centres);
+      for (std::size_t i = 0; i < all.centres.size(); ++i) {
+        const glm::vec2 centre = all.centres[i];
+        compose(splats, {.centre = centre,
+                         .px_per_D = glm::vec2(centre.x),
+                         .across_px_per_D = glm::vec2(centre.y),
+                         .shift_px = shifts_px[i]});
+        emit(job.sub_aperture_share / static_cast<float>(all.centres.size()));
+      }
+      return fragments;
+    }
     for (const glm::vec2& centre : all.centres) {
       const glm::vec2 along = job.meridian, across(-along.y, along.x);
       compose(splats,
@@ -315,17 +327,23 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
   void gather(SubApertureSplats& splats) const {
     const SubApertures& all = *job.sub_apertures;
     splats.reset(job.count);
+    splats.by_matrix = all.lens_px != nullptr;
     for (std::size_t e = 0; e < job.count; ++e) {
       const std::uint32_t splat = job.entries[e];
       if (e + kAhead < job.count) {
         const std::uint32_t later = job.entries[e + kAhead];
         hwy::Prefetch(&all.splats[later]);
-        hwy::Prefetch(&all.out_of_focus_D[later]);
+        if (all.lens_px) {
+          hwy::Prefetch(&all.lens_px[later]);
+        } else {
+          hwy::Prefetch(&all.out_of_focus_D[later]);
+        }
         hwy::Prefetch(&job.lens[later]);
       }
       if (job.gap[e]) splats.ends.push_back(e);
-      splats.set(e, all.splats[splat], all.out_of_focus_D[splat],
+      splats.set(e, all.splats[splat], all.lens_px ? 0.0f : all.out_of_focus_D[splat],
                  all.out_across_D ? all.out_across_D[splat] : 0.0f, job.lens[splat]);
+      if (all.lens_px) splats.setMatrix(e, all.lens_px[splat]);
     }
     splats.ends.push_back(job.count);
   }

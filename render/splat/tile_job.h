@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 
+#include "render/optics/lens_field.h"
 #include "render/splat/splat.h"
 #include "render/splat/sweep.h"
 
@@ -32,6 +34,7 @@ struct TileJob {
   glm::vec2 radius_px_per_D;
   const SubApertures* sub_apertures;  // null: the whole aperture only
   float sub_aperture_share;           // of the image, where sub-apertures render it
+  std::optional<LocalLens> local;     // of the tile's middle, where directions have their own lens
   glm::vec4* rgba;                    // samples x samples, all 0
   float* depth_m;                     // samples x samples, all 0; null: not asked for
 };
