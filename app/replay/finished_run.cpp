@@ -54,9 +54,9 @@ std::vector<RunFrame> framesOfRun(const std::filesystem::path& folder) {
                        .focus_D = needed("focus_D"),
                        .pupil_mm = needed("pupil_mm"),
                        .render_ms = needed("render_ms"),
-                       .state = stateNamed(at.text("gaze_state")).value_or(GazeState::lost)},
+                       .state = stateNamed(at.text("gaze_state")).value_or(GazeState::lost),
+                       .world_from_eye = {at("eye_qw"), at("eye_qx"), at("eye_qy"), at("eye_qz")}},
                       {at("eye_x_m"), at("eye_y_m"), at("eye_z_m")},
-                      {at("eye_qw"), at("eye_qx"), at("eye_qy"), at("eye_qz")},
                       at.text("trial"),
                       frames.size()});
   }

@@ -19,7 +19,6 @@ namespace foci {
 /// A frame of frames.tsv.
 struct RunFrame : ChartRow {
   glm::dvec3 eye_m{0.0};
-  glm::dquat world_from_eye{1.0, 0.0, 0.0, 0.0};
   std::string trial{};
   std::size_t number = 0;  ///< in the video
 };

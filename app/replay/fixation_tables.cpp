@@ -67,17 +67,9 @@ std::string offScreenText(const Screen& screen, const std::optional<glm::dvec2>&
   return inside ? "0\t" : "1\t";
 }
 
-/// Azimuth to the right and elevation of a direction in the world, degrees. Azimuth 0 is -z without
-/// its part along `up`, or y where that is nothing.
 std::string worldText(const glm::dvec3& direction, const glm::dvec3& up) {
   if (direction == glm::dvec3(0.0)) return "n/a\tn/a\t";
-  glm::dvec3 ahead(0.0, 0.0, -1.0);
-  if (glm::length(glm::cross(ahead, up)) < 0.1) ahead = {0.0, 1.0, 0.0};
-  ahead = glm::normalize(ahead - glm::dot(ahead, up) * up);
-  const glm::dvec3 right = glm::cross(ahead, up);
-  const double azimuth_rad = std::atan2(glm::dot(direction, right), glm::dot(direction, ahead));
-  const double elevation_rad = std::asin(glm::clamp(glm::dot(direction, up), -1.0, 1.0));
-  return pairText(glm::degrees(glm::dvec2(azimuth_rad, elevation_rad)), 3) + '\t';
+  return pairText(azimuthElevation_deg(direction, up), 3) + '\t';
 }
 
 /// Root mean square of the angle from sample to sample, and mean pupil, of the samples of an event.

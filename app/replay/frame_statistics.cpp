@@ -19,7 +19,9 @@ ChartRow chartRow(const FrameRecord& record) {
           .focus_D = record.eye.focus_D,
           .pupil_mm = record.pupil_mm,
           .render_ms = record.stats.ms,
-          .state = record.eye.state};
+          .state = record.eye.state,
+          .vergence_D = record.eye.vergence ? record.eye.vergence->value_D : kAbsent,
+          .world_from_eye = record.world_from_eye};
 }
 
 }  // namespace

@@ -209,6 +209,16 @@ std::string normalText(const glm::dvec3& normal) {
 
 }  // namespace
 
+glm::dvec2 azimuthElevation_deg(const glm::dvec3& direction, const glm::dvec3& up) {
+  glm::dvec3 ahead(0.0, 0.0, -1.0);
+  if (glm::length(glm::cross(ahead, up)) < 0.1) ahead = {0.0, 1.0, 0.0};
+  ahead = glm::normalize(ahead - glm::dot(ahead, up) * up);
+  const glm::dvec3 right = glm::cross(ahead, up);
+  const double azimuth_rad = std::atan2(glm::dot(direction, right), glm::dot(direction, ahead));
+  const double elevation_rad = std::asin(glm::clamp(glm::dot(direction, up), -1.0, 1.0));
+  return glm::degrees(glm::dvec2(azimuth_rad, elevation_rad));
+}
+
 std::string vectorText(const glm::dvec3& v, int digits) {
   return decimal(v.x, digits) + '\t' + decimal(v.y, digits) + '\t' + decimal(v.z, digits);
 }

@@ -64,6 +64,10 @@ struct GazeInScene {
                 0.0};  ///< of the scene, unit: the study's, or the mean of a recorded head's
 };
 
+/// Azimuth to the right and elevation of a direction in the world, degrees. Azimuth 0 is -z without
+/// its part along `up`, or y where that is nothing.
+glm::dvec2 azimuthElevation_deg(const glm::dvec3& direction, const glm::dvec3& up);
+
 /// The samples of an event.
 /// @param samples  in order of time
 std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSample> samples);

@@ -335,7 +335,8 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
                         const MethodsText& methods) {
   const Study& study = facts.run.start;
   const std::vector<RunMark> marks = marksOf(facts.run);
-  const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks, facts.pauses);
+  const auto charts =
+      chartsSvg(facts.rows, study.screen.size_px, marks, facts.pauses, facts.headset);
   std::ofstream out(file, std::ios::binary);
   out << pageStart(nameOfRun(study, trace) + " - foci replay",
                    std::string(kExplorerStyle) + kSceneStyle)

@@ -28,6 +28,7 @@ struct ReportFacts {
   std::size_t samples = 0, samples_without_gaze = 0, samples_blink = 0;
   double longest_data_loss_s = 0.0;
   std::vector<RecordingPause> pauses;  ///< of the recording
+  std::optional<HeadsetAxes> headset;  ///< absent: the screen does not move
   /// In a blink or during data loss, including pauses of the recording.
   std::size_t frames_without_gaze = 0;
   std::size_t frames_over = 0;  ///< whose predicted error exceeds the tolerance

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "app/replay/gaze_in_scene.h"
 #include "base/text.h"
+#include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 namespace {
@@ -17,13 +19,35 @@ std::string field(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "NaN";
 }
 
-std::string dataBlock(const std::vector<ChartRow>& rows) {
+/// Vergence; azimuth and elevation of gaze in the head; those of the head, and its tilt to the
+/// right shoulder. Degrees; an angle of the head goes on beyond half a turn.
+std::string headsetFields(const ChartRow& row, const HeadsetAxes& axes, double& last_deg) {
+  const glm::dvec3 right = row.world_from_eye * glm::dvec3(1.0, 0.0, 0.0);
+  const glm::dvec3 top = row.world_from_eye * glm::dvec3(0.0, 1.0, 0.0);
+  const glm::dvec2 gaze_deg = azimuthElevation_deg(
+      lineOfSight(axes.screen, {row.gaze_x_px, row.gaze_y_px}), {0.0, 1.0, 0.0});
+  glm::dvec2 head_deg =
+      azimuthElevation_deg(row.world_from_eye * glm::dvec3(0.0, 0.0, -1.0), axes.up);
+  head_deg.x += 360.0 * std::round((last_deg - head_deg.x) / 360.0);
+  last_deg = head_deg.x;
+  const double tilt_rad = std::atan2(-glm::dot(right, axes.up), glm::dot(top, axes.up));
+  std::string text = ' ' + field(row.vergence_D, 4);
+  for (const double angle_deg :
+       {gaze_deg.x, gaze_deg.y, head_deg.x, head_deg.y, glm::degrees(tilt_rad)}) {
+    text += ' ' + field(angle_deg, 2);
+  }
+  return text;
+}
+
+std::string dataBlock(const std::vector<ChartRow>& rows,
+                      const std::optional<HeadsetAxes>& headset) {
   std::string text = "$frames << END\n";
+  double last_deg = 0.0;
   for (const ChartRow& row : rows) {
     text += field(row.time_s, 4) + ' ' + field(row.gaze_x_px, 1) + ' ' + field(row.gaze_y_px, 1) +
             ' ' + field(row.surface_D, 4) + ' ' + field(row.target_D, 4) + ' ' +
             field(row.focus_D, 4) + ' ' + field(row.pupil_mm, 3) + ' ' + field(row.render_ms, 2) +
-            '\n';
+            (headset ? headsetFields(row, *headset, last_deg) : "") + '\n';
   }
   return text + "END\n";
 }
@@ -180,11 +204,12 @@ std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunM
 
 GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& rows,
                         const glm::ivec2& screen_px, const std::vector<RunMark>& marks,
-                        bool render_times, const std::vector<RecordingPause>& pauses) {
+                        bool render_times, const std::vector<RecordingPause>& pauses,
+                        const std::optional<HeadsetAxes>& headset) {
   const double from_s = rows.front().time_s;
   const double to_s = std::max(rows.back().time_s, from_s + 1e-3);
   std::string no_labels;
-  const std::string script = figureHead(style) + dataBlock(rows) + "set xrange [" +
+  const std::string script = figureHead(style) + dataBlock(rows, headset) + "set xrange [" +
                              decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n" +
                              stateBand(rows, pauses) +
                              markLines(style, marks, from_s, to_s, no_labels);
@@ -212,6 +237,21 @@ GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& r
        .height = 0.1,
        .settings = "set yrange [0:9]\nset ytics 4\n",
        .plots = line(7, "", "#8e6bbf", 1.1)}};
+  if (headset) {
+    const std::string degrees = "set yrange [*:*]\nset ytics autofreq\n";
+    panels[0].label = "gaze in head, deg";
+    panels[0].settings = degrees;
+    panels[0].plots = line(10, "azimuth", "#3b82c4", 1.0) + ", " +
+                      line(11, "elevation", "#d9822b", 1.0) + (render_times ? "" : stateKeys(rows));
+    panels[1].plots += ", " + line(9, "vergence of both eyes", "#8e6bbf", 1.0);
+    panels.insert(panels.begin() + 1, {.label = "head, deg",
+                                       .height = 0.2,
+                                       .settings = degrees,
+                                       .plots = line(12, "azimuth", "#3b82c4", 1.0) + ", " +
+                                                line(13, "elevation", "#d9822b", 1.0) + ", " +
+                                                line(14, "tilt to the right", "#8e6bbf", 1.0),
+                                       .after = ""});
+  }
   if (render_times) {  // a reused frame has no impulse
     panels.push_back({.label = "render, ms",
                       .height = 0.165,
@@ -234,9 +274,9 @@ FigureStyle reportStyle() {
 }
 
 GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
-                       const std::vector<RunMark>& marks,
-                       const std::vector<RecordingPause>& pauses) {
-  GnuplotChart chart = timeFigure(reportStyle(), rows, screen_px, marks, true, pauses);
+                       const std::vector<RunMark>& marks, const std::vector<RecordingPause>& pauses,
+                       const std::optional<HeadsetAxes>& headset) {
+  GnuplotChart chart = timeFigure(reportStyle(), rows, screen_px, marks, true, pauses, headset);
   if (!chart.image) return chart;
   // Not currentColor: gnuplot's groups set that to black.
   for (const char* drawn : {kTextColor, "rgb(  1,   2,   3)", "rgb(1,2,3)"}) {

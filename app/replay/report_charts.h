@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +18,14 @@ namespace foci {
 struct ChartRow {
   double time_s, gaze_x_px, gaze_y_px, surface_D, target_D, focus_D, pupil_mm, render_ms;
   GazeState state;
+  double vergence_D = std::numeric_limits<double>::quiet_NaN();  ///< of the fixation so far
+  glm::dquat world_from_eye{1.0, 0.0, 0.0, 0.0};
+};
+
+/// Charts of a headset have gaze in the head as angles, the head's rotation, and vergence.
+struct HeadsetAxes {
+  Screen screen;  ///< the display's
+  glm::dvec3 up;  ///< of the scene, unit
 };
 
 /// Rows for the charts, in constant memory: if there are too many, every other one is dropped.
@@ -40,9 +51,11 @@ inline constexpr const char* kPauseColor = "#4aa3b8";
 /// @param screen_px  range of the gaze axis
 /// @param marks      in order of time
 /// @param pauses     are no data loss, and have a colour of their own
+/// @param headset    absent: the screen does not move
 GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& rows,
                         const glm::ivec2& screen_px, const std::vector<RunMark>& marks,
-                        bool render_times, const std::vector<RecordingPause>& pauses = {});
+                        bool render_times, const std::vector<RecordingPause>& pauses = {},
+                        const std::optional<HeadsetAxes>& headset = {});
 
 FigureStyle reportStyle();
 
@@ -50,7 +63,8 @@ FigureStyle reportStyle();
 /// so that one image serves light and dark pages.
 GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
                        const std::vector<RunMark>& marks,
-                       const std::vector<RecordingPause>& pauses = {});
+                       const std::vector<RecordingPause>& pauses = {},
+                       const std::optional<HeadsetAxes>& headset = {});
 
 /// What the charts show, in sentences.
 std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks,

@@ -164,6 +164,9 @@ RunResult RunWriter::finish(const RunFacts& run) {
   countDataLoss(gaze_.trace, schedule, facts);
   statistics_.fill(facts);
   facts.summary = summaryOf(schedule, events, statistics_, facts, out_);
+  if (study_.display.kind == DisplayKind::headset) {
+    facts.headset = {.screen = study_.screenInForce(), .up = in_scene.up};
+  }
   facts.objects = in_scene.objects;
   facts.scene = sceneViewOf(cloud_, in_scene);
   facts.quality = judged.quality;

@@ -78,7 +78,7 @@ struct ProjectedLanes {
   alignas(64) float added[kCapacity];              // variance that merging added, of one axis
   alignas(64) float out_of_focus_D[kCapacity];     // along the nearest meridian
   alignas(64) float out_across_D[kCapacity] = {};  // across it; astigmatic lens only
-  alignas(64) float lens_px[4][kCapacity];         // `PartLens::blur_px` by rows; with a field only
+  alignas(64) float lens_px[4][kCapacity] = {};    // `PartLens::blur_px` by rows; with a field only
   alignas(64) float tilt_x[kCapacity], tilt_y[kCapacity];  // see `SplatLens`
   alignas(64) float area_px[kCapacity];
   alignas(64) float distance[kCapacity], reach[kCapacity];

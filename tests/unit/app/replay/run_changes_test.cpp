@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/gtc/quaternion.hpp>
+
 #include "app/replay/report_charts.h"
 
 namespace foci {
@@ -116,6 +118,33 @@ TEST(ReportCharts, ShowPausesOfTheRecordingApartFromDataLoss) {
   EXPECT_FALSE(has(*loss, pause));
   EXPECT_FALSE(has(*paused, lost));
   EXPECT_TRUE(has(*paused, pause));
+}
+
+TEST(ReportCharts, OfAHeadsetHaveAnglesOfTheHeadAndVergence) {
+  std::vector<ChartRow> rows;
+  for (int i = 0; i <= 90; ++i) {
+    // To the right by 270 degrees: the azimuth does not jump at 180.
+    rows.push_back({.time_s = 0.1 * i,
+                    .gaze_x_px = 320.0,
+                    .gaze_y_px = 240.0,
+                    .surface_D = 1.0,
+                    .target_D = 1.0,
+                    .focus_D = 1.0,
+                    .pupil_mm = 4.0,
+                    .render_ms = 7.0,
+                    .state = GazeState::fixation,
+                    .vergence_D = 0.5,
+                    .world_from_eye = glm::angleAxis(glm::radians(-3.0 * i), glm::dvec3(0, 1, 0))});
+  }
+  const Screen display{.size_px = {640, 480}, .size_m = {0.4, 0.3}, .distance_m = 0.2};
+  const auto svg = chartsSvg(rows, {640, 480}, {}, {}, HeadsetAxes{display, {0, 1, 0}}).image;
+  if (!svg) GTEST_SKIP() << "gnuplot is absent";
+  for (const char* part :
+       {"gaze in head, deg", "head, deg", "tilt to the right", "vergence of both eyes", ">250<"}) {
+    EXPECT_NE(svg->find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(svg->find(">-150<"), std::string::npos);
+  EXPECT_EQ(chartsSvg(rows, {640, 480}, {}).image->find("head, deg"), std::string::npos);
 }
 
 }  // namespace FOCI_FILE
