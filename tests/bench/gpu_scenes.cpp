@@ -107,6 +107,7 @@ void renderOnCpu(const MomentTree& tree, const GpuRequest& request, Frame& frame
   const SubApertures sub_apertures{.splats = chunks.sub_aperture_splats.get(),
                                    .out_of_focus_D = chunks.out_of_focus_D.get(),
                                    .out_across_D = nullptr,
+                                   .lens_px = nullptr,
                                    .centres = request.sub_aperture_centres};
   sweep(chunks, lists,
         {.background = request.background,

@@ -140,7 +140,7 @@ TEST(ReportCharts, OfAHeadsetHaveAnglesOfTheHeadAndVergence) {
   const auto svg = chartsSvg(rows, {640, 480}, {}, {}, HeadsetAxes{display, {0, 1, 0}}).image;
   if (!svg) GTEST_SKIP() << "gnuplot is absent";
   for (const char* part :
-       {"gaze in head, deg", "head, deg", "tilt to the right", "vergence of both eyes", ">250<"}) {
+       {"gaze in head, deg", "head, deg", "tilt to the right", "vergence of both eyes", "> 250<"}) {
     EXPECT_NE(svg->find(part), std::string::npos) << part;
   }
   EXPECT_EQ(svg->find(">-150<"), std::string::npos);
