@@ -228,7 +228,7 @@ class Search {
   std::vector<Scored> starts(const Distance& rough, const AlignmentRange& range) const {
     const std::vector<Sight> some = someOf(sights_, kRoughSights);
     const auto yaws = static_cast<std::size_t>(std::lround(360.0 / range.yaw_deg));
-    const auto scales = static_cast<std::size_t>(2 * range.scales + 1);
+    const auto scales = 2 * static_cast<std::size_t>(range.scales) + 1;
     std::vector<std::vector<Scored>> by(yaws * scales);
     parallelFor(by.size(), [&](std::size_t k) {
       Pose pose{.yaw_rad = glm::radians(range.yaw_deg) * static_cast<double>(k % yaws),
@@ -359,8 +359,9 @@ AlignmentSearch searchAlignment(const SurfelCloud& cloud, const RecordedSights& 
   const Search search(cloud, sights, now, up, result.sigma_D);
   result.now = search.fitOf(now);
   result.best = result.now;
-  std::vector<AlignmentFit> fits;
   const std::vector<Pose> poses = search.best(cloud, range);
+  std::vector<AlignmentFit> fits;
+  fits.reserve(poses.size());
   for (const Pose& pose : poses) fits.push_back(search.fitOf(search.alignmentOf(pose)));
   std::size_t at = poses.size();  // as it stands
   for (std::size_t i = 0; i < fits.size(); ++i) {
