@@ -82,6 +82,7 @@ std::vector<Measured> medianEye(std::span<const FieldSample> samples, const Valu
     by_direction[{at.x, at.y}].push_back(value_of(each) - median(fovea->second));
   }
   std::vector<Measured> all;
+  all.reserve(by_direction.size());
   for (auto& [at, values] : by_direction) {
     all.push_back({{at.first, at.second}, median(values)});
   }

@@ -45,7 +45,8 @@ HWY_INLINE void localLenses(const LensField& field, V x_px, V y_px, LocalLanes& 
     const int y = std::min(static_cast<int>(ys[k]), field.size().y - 2);
     const float tx = xs[k] - static_cast<float>(x), ty = ys[k] - static_cast<float>(y);
     const float w11 = tx * ty, w01 = tx - w11, w10 = ty - w11, w00 = 1.0f - tx - w10;
-    const LocalLens* top = &field.nodes()[static_cast<std::size_t>(y * field.size().x + x)];
+    const std::size_t node = static_cast<std::size_t>(y) * static_cast<std::size_t>(field.size().x);
+    const LocalLens* top = &field.nodes()[node + static_cast<std::size_t>(x)];
     const LocalLens* bottom = top + field.size().x;
     for (std::size_t i = 0; i < LocalLens::kPadding; ++i) {
       out.values[i][k] = w00 * top[0].values[i] + w01 * top[1].values[i] +
