@@ -186,7 +186,8 @@ float LensField::maxBlur_px(const Defocus& defocus, float point_D) const {
 
 glm::vec2 LensField::meridianAt(const glm::vec2& offset_px, const Defocus& defocus) const {
   const glm::mat2 b = at(offset_px).blur_px(defocus, defocus.focus_D);
-  const float angle_rad = 0.5f * std::atan2(b[0][1] + b[1][0], b[0][0] - b[1][1]);
+  // In double: the same bytes from every C library.
+  const double angle_rad = 0.5 * std::atan2(double{b[0][1] + b[1][0]}, double{b[0][0] - b[1][1]});
   return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 
