@@ -74,7 +74,7 @@ export TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp:halt_on_error=1
 step "asan: build and test"
 cmake --build --preset asan --target foci foci_tests foci_e2e foci_stability_tests foci_fuzz
 # Without the longest tests, whose time goes into libraries or into whole pictures; of the program, what reads input.
-sanitized build/asan/foci_tests '-Alignment.Re*:*Aberrations.Spread*:Auto*.*Predict*:Auto*.*Prediction:AutoTest.APassed*:AutoTest.RendersSub*:CascadeTracker.Follows*:ClosedSurfaces.*:FaceFinder.FindsBoth*:FaceNetworks.TheIris*:Fidelity.A*:*GaussianCaptures*:*GpuCapture*:GpuGaussianPicture.Auto*:GpuGaussianPicture.IsTheSame*:GpuGaussianPicture.OfLa*:GpuPicture.IsTheSame*:GpuWindows.Larger*:HardFaces.*:KeptFrame.TheTexture*:NetworkTracker.F*:Raytrace.A*:RenderImage.*:SweepLod.L*'
+sanitized build/asan/foci_tests '-Alignment.Re*:*Aberrations.Spread*:Auto*.*Predict*:Auto*.*Prediction:AutoTest.APassed*:AutoTest.RendersSub*:CascadeTracker.F*:ClosedSurfaces.*:FaceFinder.FindsBoth*:FaceNetworks.TheIris*:Fidelity.A*:Framing.AS*:*GaussianCaptures*:*GpuCapture*:GpuGaussianPicture.Auto*:GpuGaussianPicture.IsTheSame*:GpuGaussianPicture.OfLa*:GpuPicture.IsTheSame*:GpuWindows.Larger*:HardFaces.*:KeptFrame.TheTexture*:MakeStatue.*:NetworkTracker.F*:Raytrace.A*:RenderImage.*:SweepLod.L*'
 sanitized build/asan/foci_e2e '*BadInputs*:BadUsage*:Batch.Refuse*:Calibrat*:Figures*:HostileInputs*:Overwrite*:Recordings*:Replay.*:ReplayOfAH*:ReplayOfE*:Trace*-HostileInputs.AMeshHasLimits'
 sanitized build/asan/foci_stability_tests '*'
 
