@@ -70,7 +70,6 @@ TEST_F(RenderImage, TakesSplitViewAndStereo) {
 
 TEST_F(RenderImage, TakesFoveation) {
   study.render.method = "auto";
-  study.output.size_px = glm::ivec2(64, 36);
   study.quality.foveated = true;
   study.focus.fixed_D = 2.0;
   expectEqual();
