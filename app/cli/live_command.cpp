@@ -23,7 +23,7 @@ namespace {
 /// Default frame-time budget: the window needs the rest of a refresh at 60 Hz.
 constexpr double kLiveFrame_ms = 10.0;
 
-struct LiveCommandOptions : StudyOptions {
+struct LiveCommandOptions : StudyRequest {
   LiveOptions live{};
   std::string record{};
   bool latency = false, overwrite = false;

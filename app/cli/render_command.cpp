@@ -22,7 +22,7 @@
 namespace foci {
 namespace {
 
-struct RenderOptions : StudyOptions {
+struct RenderOptions : StudyRequest {
   std::string out{}, focus{}, gaze{}, depth{}, defocus{};
   bool overwrite = false;
 };

@@ -27,7 +27,7 @@
 namespace foci {
 namespace {
 
-struct ReplayOptions : StudyOptions {
+struct ReplayOptions : StudyRequest {
   std::vector<std::string> traces{};
   std::string out{}, frames{}, heatmap{};
   bool overwrite = false;

@@ -8,7 +8,7 @@
 
 namespace foci {
 
-void addStudyOptions(CLI::App& command, StudyOptions& options) {
+void addStudyOptions(CLI::App& command, StudyRequest& options) {
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
     return command.add_option(name, value, help)->type_name(type);
   };
@@ -45,12 +45,12 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
   command.add_flag("--json", options.json, "print the summary as JSON");
 }
 
-void addMarkerOptions(CLI::App& command, StudyOptions& options) {
+void addMarkerOptions(CLI::App& command, StudyRequest& options) {
   command.add_flag("--marker", options.marker, "mark where the observer looks");
   command.add_flag("--split", options.split, "left half sharp, right half as the eye sees it");
 }
 
-void saveStudy(const StudyOptions& options, const StudyAsked& asked, const OutputGuard& guard) {
+void saveStudy(const StudyRequest& options, const StudyAsked& asked, const OutputGuard& guard) {
   if (options.write_study.empty()) return;
   writeOutput(options.write_study, writtenStudy(options.write_study, asked.study, asked.framing),
               guard);

@@ -10,14 +10,12 @@ class App;
 
 namespace foci {
 
-using StudyOptions = StudyRequest;
-
-void addStudyOptions(CLI::App& command, StudyOptions& options);
+void addStudyOptions(CLI::App& command, StudyRequest& options);
 
 /// --marker and --split, for commands that follow a gaze.
-void addMarkerOptions(CLI::App& command, StudyOptions& options);
+void addMarkerOptions(CLI::App& command, StudyRequest& options);
 
 /// Writes the file of --write-study, if the option was given.
-void saveStudy(const StudyOptions& options, const StudyAsked& asked, const OutputGuard& guard);
+void saveStudy(const StudyRequest& options, const StudyAsked& asked, const OutputGuard& guard);
 
 }  // namespace foci

@@ -36,10 +36,9 @@ Study alignedStudy(const std::string& recording, const TraceOptions& trace,
 /// recording, as the recording stands.
 UpAxis upOfScene(const Study& study, const SceneFacts& facts, const std::string& asked) {
   if (const auto up = upOf(asked)) return *up;
-  const glm::dvec4& r = study.gaze.alignment.rotation;
-  const bool turned = glm::length(glm::dvec3(r)) > 1e-6;
+  const bool turned = glm::length(glm::dvec3(study.gaze.alignment.rotation)) > 1e-6;
   if (!turned && facts.kind != SceneKind::gaussians) return upAxisOf(facts, boxOf(facts));
-  const glm::dvec3 y = glm::normalize(glm::dquat(r.w, r.x, r.y, r.z)) * glm::dvec3(0.0, 1.0, 0.0);
+  const glm::dvec3 y = sceneFromRecording(study.gaze.alignment) * glm::dvec3(0.0, 1.0, 0.0);
   int axis = 0;
   for (int i = 1; i < 3; ++i) axis = std::abs(y[i]) > std::abs(y[axis]) ? i : axis;
   return {axis, y[axis] < 0.0, "as the recording stands; if not: --up AXIS"};

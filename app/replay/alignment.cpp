@@ -8,6 +8,7 @@
 
 #include "app/replay/scene_voxels.h"
 #include "app/study/framing.h"
+#include "app/study/recorded_head.h"
 #include "base/parallel.h"
 #include "base/quantile.h"
 #include "base/text.h"
@@ -94,8 +95,7 @@ class Search {
   Search(const SurfelCloud& cloud, const std::vector<Sight>& sights, const SceneAlignment& now,
          const glm::dvec3& up, double sigma_D)
       : sights_(sights), now_(now), up_(up), sigma_D_(sigma_D), query_(cloud) {
-    const glm::dquat stands =
-        glm::normalize(glm::dquat(now.rotation.w, now.rotation.x, now.rotation.y, now.rotation.z));
+    const glm::dquat stands = sceneFromRecording(now);
     const glm::dvec3 y = stands * glm::dvec3(0.0, 1.0, 0.0);
     if (glm::dot(y, up) > -0.999) {
       upright_ = glm::normalize(glm::dquat(1.0 + glm::dot(y, up), glm::cross(y, up))) * stands;
@@ -127,8 +127,7 @@ class Search {
   AlignmentFit fitOf(const SceneAlignment& alignment) const {
     AlignmentFit fit{.alignment = alignment};
     fit.met_m.resize(sights_.size());
-    const glm::dvec4& q = alignment.rotation;
-    const glm::dquat r = glm::normalize(glm::dquat(q.w, q.x, q.y, q.z));
+    const glm::dquat r = sceneFromRecording(alignment);
     parallelFor(sights_.size(), [&](std::size_t i) {
       fit.met_m[i] = exact(alignment.offset_m + alignment.scale * (r * sights_[i].eye_m),
                            r * sights_[i].direction);
@@ -147,17 +146,17 @@ class Search {
   /// How far apart two poses place what is looked at, and the eye, over its distance.
   double apart(const Pose& a, const Pose& b) const {
     const SceneAlignment first = alignmentOf(a), second = alignmentOf(b);
-    const auto place = [](const SceneAlignment& by, const glm::dvec3& p) {
-      return by.offset_m +
-             by.scale *
-                 (glm::dquat(by.rotation.w, by.rotation.x, by.rotation.y, by.rotation.z) * p);
+    const auto placing = [](const SceneAlignment& by) {
+      return [&by, r = sceneFromRecording(by)](const glm::dvec3& p) {
+        return by.offset_m + by.scale * (r * p);
+      };
     };
+    const auto in_first = placing(first), in_second = placing(second);
     std::vector<double> moved;
     for (const Sight& sight : someOf(sights_, 16)) {
       const glm::dvec3 point_m = sight.eye_m + probableDistance_m(sight) * sight.direction;
-      moved.push_back(
-          std::max(glm::distance(place(first, point_m), place(second, point_m)),
-                   glm::distance(place(first, sight.eye_m), place(second, sight.eye_m))));
+      moved.push_back(std::max(glm::distance(in_first(point_m), in_second(point_m)),
+                               glm::distance(in_first(sight.eye_m), in_second(sight.eye_m))));
     }
     return quantile(moved, 0.5) / (distance_m_ * std::sqrt(first.scale * second.scale));
   }
@@ -178,9 +177,8 @@ class Search {
           climb(found[i].pose, some, rough, 0.2, {yaw_rad / 4, 0.03, glm::dvec3(step_m / 4)}, 4, 6);
     });
     found = elsewhere(std::move(found), kElsewhere, kFinalists);
-    const glm::dquat stands(now_.rotation.w, now_.rotation.x, now_.rotation.y, now_.rotation.z);
     found.push_back(
-        {{0.0, 0.0, now_.offset_m + now_.scale * (glm::normalize(stands) * pivot_m_)}, 0.0});
+        {{0.0, 0.0, now_.offset_m + now_.scale * (sceneFromRecording(now_) * pivot_m_)}, 0.0});
     const Distance fine = [&](const glm::dvec3& o, const glm::dvec3& d) { return exact(o, d); };
     parallelFor(found.size(), [&](std::size_t i) {
       const Pose step{yaw_rad / 8, 0.02, glm::dvec3(voxels.cube_m())};
@@ -211,8 +209,7 @@ class Search {
   double score(const Pose& pose, const std::vector<Sight>& sights, const Distance& distance,
                double sigma_D) const {
     const SceneAlignment by = alignmentOf(pose);
-    const glm::dmat3 r(
-        glm::mat3_cast(glm::dquat(by.rotation.w, by.rotation.x, by.rotation.y, by.rotation.z)));
+    const glm::dmat3 r(glm::mat3_cast(sceneFromRecording(by)));
     double sum = 0.0;
     for (std::size_t i = 0; i < sights.size(); ++i) {
       const Sight& sight = sights[i];

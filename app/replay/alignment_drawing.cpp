@@ -1,11 +1,11 @@
 #include "app/replay/alignment_drawing.h"
 
 #include <algorithm>
-#include <glm/gtc/quaternion.hpp>
 
 #include "app/graphics/html.h"
 #include "app/replay/scene_plan.h"
 #include "app/replay/scene_view.h"
+#include "app/study/recorded_head.h"
 #include "base/text.h"
 
 namespace foci {
@@ -15,8 +15,7 @@ constexpr int kTop_px = 34, kGap_px = 24, kLegend_px = 40;
 
 std::vector<SightLine> linesOf(const std::vector<Sight>& sights, const AlignmentFit& fit) {
   const SceneAlignment& by = fit.alignment;
-  const glm::dquat r =
-      glm::normalize(glm::dquat(by.rotation.w, by.rotation.x, by.rotation.y, by.rotation.z));
+  const glm::dquat r = sceneFromRecording(by);
   std::vector<SightLine> lines;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     const glm::dvec3 eye_m = by.offset_m + by.scale * (r * sights[i].eye_m);

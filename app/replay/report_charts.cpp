@@ -220,13 +220,13 @@ GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& r
   const int span_px = std::max(screen_px.x, screen_px.y);
   int tick_px = 50;
   while (5 * tick_px < span_px) tick_px *= 2;
+  const std::string keys = render_times ? "" : stateKeys(rows);
   std::vector<FigurePanel> panels = {
       {.label = "gaze, px",
        .height = 0.215,
        .settings = "set yrange [0:" + std::to_string(span_px) + "]\nset ytics " +
                    std::to_string(tick_px) + "\n",
-       .plots = line(2, "x", "#3b82c4", 1.0) + ", " + line(3, "y", "#d9822b", 1.0) +
-                (render_times ? "" : stateKeys(rows)),
+       .plots = line(2, "x", "#3b82c4", 1.0) + ", " + line(3, "y", "#d9822b", 1.0) + keys,
        .after = no_labels},
       {.label = "focus, D",
        .height = 0.25,
@@ -241,8 +241,8 @@ GnuplotChart timeFigure(const FigureStyle& style, const std::vector<ChartRow>& r
     const std::string degrees = "set yrange [*:*]\nset ytics autofreq\n";
     panels[0].label = "gaze in head, deg";
     panels[0].settings = degrees;
-    panels[0].plots = line(10, "azimuth", "#3b82c4", 1.0) + ", " +
-                      line(11, "elevation", "#d9822b", 1.0) + (render_times ? "" : stateKeys(rows));
+    panels[0].plots =
+        line(10, "azimuth", "#3b82c4", 1.0) + ", " + line(11, "elevation", "#d9822b", 1.0) + keys;
     panels[1].plots += ", " + line(9, "vergence of both eyes", "#8e6bbf", 1.0);
     panels.insert(panels.begin() + 1, {.label = "head, deg",
                                        .height = 0.2,

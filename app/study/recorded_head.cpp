@@ -12,8 +12,7 @@ namespace foci {
 namespace {
 
 std::vector<TrackedPose> posesOf(const GazeTrace& trace, const SceneAlignment& alignment) {
-  const glm::dvec4& r = alignment.rotation;
-  const glm::dquat scene_from_world = glm::normalize(glm::dquat(r.w, r.x, r.y, r.z));
+  const glm::dquat scene_from_world = sceneFromRecording(alignment);
   const glm::dvec3 eye_head_m = middleOfEyes_m(trace.samples);
   const double start_s = trace.samples.front().time_s;
   std::vector<TrackedPose> poses;
@@ -45,6 +44,11 @@ std::optional<double> recordedIpd_mm(const GazeTrace& trace) {
 bool recordsHead(const Study& study) {
   if (study.gazeIsSimulated() || webcamPlaceOf(study.gaze.source)) return false;
   return previewSpace(study.gaze.source, study.gaze.columns).has_head;
+}
+
+glm::dquat sceneFromRecording(const SceneAlignment& alignment) {
+  const glm::dvec4& r = alignment.rotation;
+  return glm::normalize(glm::dquat(r.w, r.x, r.y, r.z));
 }
 
 Study withRecordedHead(Study study, const GazeTrace& trace) {

@@ -57,18 +57,23 @@ TEST(RunChanges, MarksAreInOrderOfTimeAndTheTableIsEscaped) {
   EXPECT_EQ(marksTable({}), "");
 }
 
+ChartRow fixating(double time_s, const glm::dvec2& gaze_px) {
+  return {.time_s = time_s,
+          .gaze_x_px = gaze_px.x,
+          .gaze_y_px = gaze_px.y,
+          .surface_D = 1.0,
+          .target_D = 1.0,
+          .focus_D = 1.0,
+          .pupil_mm = 4.0,
+          .render_ms = 7.0,
+          .state = GazeState::fixation};
+}
+
 TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
   std::vector<ChartRow> rows;
   for (int i = 0; i < 100; ++i) {
-    rows.push_back({.time_s = 1.0 + 0.03 * i,
-                    .gaze_x_px = 10.0 + i,
-                    .gaze_y_px = 50.0,
-                    .surface_D = 1.0,
-                    .target_D = 1.0,
-                    .focus_D = 0.01 * i,
-                    .pupil_mm = 4.0,
-                    .render_ms = 7.0,
-                    .state = GazeState::fixation});
+    rows.push_back(fixating(1.0 + 0.03 * i, {10.0 + i, 50.0}));
+    rows.back().focus_D = 0.01 * i;
   }
   const auto marks = marksOf(changesOfRun(Study{}, kPupils, kMarkers, 1.0, 4.0));
   const auto svg = chartsSvg(rows, {640, 480}, marks).image;
@@ -95,16 +100,8 @@ TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
 TEST(ReportCharts, ShowPausesOfTheRecordingApartFromDataLoss) {
   std::vector<ChartRow> rows;
   for (int i = 0; i < 100; ++i) {
-    const bool is_lost = i >= 40 && i < 60;
-    rows.push_back({.time_s = 0.1 * i,
-                    .gaze_x_px = 10.0,
-                    .gaze_y_px = 50.0,
-                    .surface_D = 1.0,
-                    .target_D = 1.0,
-                    .focus_D = 1.0,
-                    .pupil_mm = 4.0,
-                    .render_ms = 7.0,
-                    .state = is_lost ? GazeState::lost : GazeState::fixation});
+    rows.push_back(fixating(0.1 * i, {10.0, 50.0}));
+    if (i >= 40 && i < 60) rows.back().state = GazeState::lost;
   }
   // gnuplot pads the numbers of a colour with blanks.
   const std::string lost = "rgb(201,  74,  74)", pause = "rgb( 74, 163, 184)";
@@ -124,17 +121,9 @@ TEST(ReportCharts, OfAHeadsetHaveAnglesOfTheHeadAndVergence) {
   std::vector<ChartRow> rows;
   for (int i = 0; i <= 90; ++i) {
     // To the right by 270 degrees: the azimuth does not jump at 180.
-    rows.push_back({.time_s = 0.1 * i,
-                    .gaze_x_px = 320.0,
-                    .gaze_y_px = 240.0,
-                    .surface_D = 1.0,
-                    .target_D = 1.0,
-                    .focus_D = 1.0,
-                    .pupil_mm = 4.0,
-                    .render_ms = 7.0,
-                    .state = GazeState::fixation,
-                    .vergence_D = 0.5,
-                    .world_from_eye = glm::angleAxis(glm::radians(-3.0 * i), glm::dvec3(0, 1, 0))});
+    rows.push_back(fixating(0.1 * i, {320.0, 240.0}));
+    rows.back().vergence_D = 0.5;
+    rows.back().world_from_eye = glm::angleAxis(glm::radians(-3.0 * i), glm::dvec3(0, 1, 0));
   }
   const Screen display{.size_px = {640, 480}, .size_m = {0.4, 0.3}, .distance_m = 0.2};
   const auto svg = chartsSvg(rows, {640, 480}, {}, {}, HeadsetAxes{display, {0, 1, 0}}).image;
