@@ -19,6 +19,8 @@ STUDY = """[screen]
 size_px = [640, 480]
 size_m = [0.4, 0.3]
 distance_m = 0.5
+[render]
+method = "sweep-lod"
 [output]
 size_px = [320, 240]
 seconds = [0, 2]
