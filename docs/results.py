@@ -264,8 +264,7 @@ def chart(args):
     threads = max(int(row["threads"]) for row in rows)
     text = [f"`foci chart` at the largest blur of each scene: ms per frame at {threads} threads, PSNR in dB, and in JND the "
             "visible error (of `auto`, also its prediction). In an empty cell, another method is both faster and closer. Beside "
-            "the scene stands the PSNR to which its reference is known. `chart.csv` has all methods, and smaller blur; "
-            "[methods.md](methods.md#chart-time-against-accuracy) explains the figures."]
+            "the scene stands the PSNR to which its reference is known ([methods.md](methods.md#chart-time-against-accuracy))."]
     largest, cells, ms = {}, {}, {}
     for row in rows:
         largest[row["scene"]] = max(largest.get(row["scene"], 0.0), float(row["blur_px"]))
@@ -297,8 +296,8 @@ def stability(args):
             scene["values"].append(row["value"])
         bold = "" if row["good"] == "yes" else "**"
         scene["scores"].setdefault(row["method"], {})[row["value"]] = bold + short(row["score"]) + bold
-    text = ["`foci chart --stability`. Scores follow the dial's values from left to right; a bold score misses the wanted one. "
-            "[stability.md](stability.md) describes scenes, dials and scores."]
+    text = ["`foci chart --stability`. Scores follow the dial's values from left to right; a bold score misses the wanted one "
+            "([stability.md](stability.md))."]
     for observers, title in ((False, "Images"), (True, "Gaze")):
         chosen = {name: scene for name, scene in scenes.items() if name.startswith("gaze-") == observers}
         if not chosen:
@@ -328,9 +327,8 @@ def reproduce(args):
             cells.setdefault(place, {})["`" + row["method"] + "`"] = ", ".join(
                 short(row[name]) for name in ("kfragments", "points", "ms_median", "psnr_dB"))
     methods = list(next(iter(cells.values())))
-    return (f"`foci reproduce`, 512 x 512 px: thousands of fragments, points, ms at {threads} threads, and PSNR in dB. The "
-            "paper's own numbers are in [formulas.md](formulas.md#7-what-the-paper-measured); [reproduce.md](reproduce.md) "
-            "explains the figures.\n\n" +
+    return (f"`foci reproduce`, 512 x 512 px: thousands of fragments, points, ms at {threads} threads, and PSNR in dB "
+            "([reproduce.md](reproduce.md)).\n\n" +
             table(["scene, aperture, blur"] + methods, [[place] + [found.get(method, "") for method in methods]
                                                         for place, found in cells.items()]))
 
@@ -371,11 +369,10 @@ def eye(args):
         "without aberrations. Each time is the shortest of four alternating runs.",
         table(["pupil, mm", "focus, m", "without, ms", "with, ms", "ratio"], times),
         "**A rendered point of light against Fourier optics**, typical eye, `sweep:19` with diffraction, pixels of 1 arcmin. "
-        "The root mean square is a share of the peak: over a window of 65 arcmin, and over the pixels that hold at least 1 % "
-        "of the peak. The variances are those within the disc that holds all rays.",
+        "The root mean square is a share of the peak: over a window of 65 arcmin, and over the pixels of at least 1 % of the "
+        "peak. Errors of the variance are those within the disc that holds all rays.",
         table(["pupil and defocus", "RMS, window, %", "RMS, lit pixels, %", "variance along x, %", "along y, %"], images),
-        "**Against published measurements**, `foci validate`: of each figure, the condition that differs most. "
-        "`validation.tsv` has the others.",
+        "**Against published measurements**, `foci validate`: of each figure, the condition that differs most.",
         table(["figure", "condition", "published", "here", "unit"],
               [[name, one["condition"], short(one["expected"]), short(one["value"]), one["unit"]]
                for name, one in worst.items()])])
