@@ -30,7 +30,7 @@ GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
 BENCH_LEFT_OUT = re.compile(r"SampleMesh/(3|1000)|SweepPlane/blur_dpx:(0|114)|/256px|/25cm|FirstFrame.*/8mm")  # rows that the page does without
 CURVE = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
-SECTIONS = ("bench", "events", "trained_events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "webcam", "large", "python")
+SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "webcam", "large", "python")
 
 
 def run(*command):
@@ -102,19 +102,6 @@ def bench(args):
     if others:
         text.append("**Others**: " + ", ".join(others) + ".")
     return "\n\n".join(text)
-
-
-def events(args):
-    if not args.labelled:
-        return None
-    scored = json.loads(run(args.foci, "events", "--score", "--json", *args.labelled))
-    pairs = list(scored["kappa"])
-    kinds = list(scored["kappa"][pairs[0]])
-    return (f"Cohen's kappa of event labels per sample, over {scored['recordings']} recordings. Columns compare two labellers; "
-            "`coder_` marks a human.\n\n" +
-            table(["label"] + [pair.replace(":", " : ") for pair in pairs],
-                  [[kind] + [short(scored["kappa"][pair][kind]) if scored["kappa"][pair][kind] is not None else "n/a"
-                             for pair in pairs] for kind in kinds if any(scored["kappa"][pair][kind] for pair in pairs)]))
 
 
 # Figure of observers left out (hmr: set left out), kinds whose mean counts, columns, key, goals.
@@ -518,7 +505,7 @@ def python(args):
         table(["calls", "ms"], [[name, short(ms, 2)] for name, ms in measured.items()])])
 
 
-TITLES = {"bench": "Benchmarks", "events": "Event detection",
+TITLES = {"bench": "Benchmarks",
           "trained_events": "Trained event detection on recordings that it has not seen",
           "event_rules": "Event detection on recordings that its constants have not seen", "live": "Live", "chart": "Time against accuracy",
           "stability": "Stability", "reproduce": "The paper's Table 1",
