@@ -417,8 +417,8 @@ def webcam(args):
                                                                 (case[key].split() for case in (cascades, networks))]
                for key in hard] + [["all"] + [", ".join(str(n) for n in total[i:i + 3]) for i in (0, 3)]]),
         "**Gaze in degrees**, on films of two of these rendered people, by `foci calibrate gaze --source webcam:FILM --pairs FIT "
-        "--validate OTHER --screen SCREEN --json`: nine targets to fit, mean error on four others, across and down, beside the same "
-        "map on the true irises, and the middle of the targets as a guess. No recordings of real faces with known gaze were to be had.",
+        "--validate OTHER --screen SCREEN --json`: nine targets to fit, mean error on four others, across and down. Beside it are "
+        "the same map on the true irises, and the middle of the targets as a guess. No recordings of real faces with known gaze were to be had.",
         table(["condition", "gaze found, %", "error", "on true irises", "middle as guess"],
               [[name, short(100 * values[0])] + [f"{values[i]:.1f}, {values[i + 1]:.1f}" for i in (1, 3, 5)]
                for name, values in degrees])])
