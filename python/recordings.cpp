@@ -87,7 +87,7 @@ py::array eventTable(const GazeTrace& trace, const EventOptions& options) {
       rows.push_back(rowOf(event));
     }
   }
-  return tableOfRows(rows, {"*kind", "onset_s", "duration_s", "x_px", "y_px", "start_x_px",
+  return tableOfRows(rows, {"*event", "onset_s", "duration_s", "x_px", "y_px", "start_x_px",
                             "start_y_px", "amplitude_deg", "peak_velocity_deg_s", "probability"});
 }
 

@@ -41,7 +41,7 @@ step "release: build and test"
 cmake --preset release -DFOCI_TESTS=ON \
   ${all:+-DFOCI_PYTHON=ON -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DPython_EXECUTABLE=/usr/bin/python3} >/dev/null
 cmake --build --preset release
-ctest --test-dir build/release --output-on-failure -j 2
+ctest --test-dir build/release --output-on-failure -j 3  # some wait
 if [ -z "$all" ]; then
   step "all passed (tests/run.sh --all also runs attacks, lint, sanitizers and fuzzing)"
   exit 0
@@ -49,7 +49,7 @@ fi
 
 # The tests of a program that a filter names, in eight processes: a sanitized program takes long to start.
 sanitized() {
-  seq 0 7 | xargs -P 2 -I{} env GTEST_TOTAL_SHARDS=8 GTEST_SHARD_INDEX={} "$1" --gtest_brief=1 --gtest_filter="$2"
+  seq 0 7 | xargs -P 3 -I{} env GTEST_TOTAL_SHARDS=8 GTEST_SHARD_INDEX={} "$1" --gtest_brief=1 --gtest_filter="$2"
 }
 # clang-tidy for the libraries and the program: for what changed after the commit of tests/linted, up to which it finds
 # nothing, or for all if git does not know that commit or .clang-tidy changed. The asan preset joins the sources of a
@@ -66,7 +66,7 @@ lint() {
 }
 
 step "attacks"
-python3 tests/attacks/attacks.py build/release/foci
+python3 tests/attacks/attacks.py build/release/foci --jobs 3
 
 step "lint, and beside it, since it mostly waits, the workflow on a real SLURM, where slurm-wlm and munge are installed"
 python3 tests/batch/slurm_test.py build/release/foci &
@@ -78,12 +78,11 @@ export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_n
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp:halt_on_error=1
 step "asan: build and test"
-cmake --build --preset asan --target foci foci_tests foci_e2e foci_stability_tests foci_fuzz
+cmake --build --preset asan --target foci foci_tests foci_e2e foci_fuzz
 wait $slurm || [ $? -eq 77 ]
 # Without the longest tests, whose time goes into libraries or into whole pictures; of the program, what reads input.
 sanitized build/asan/foci_tests '-*Aberration*:Alignment.*:Auto*.*Predict*:AutoTest.APassed*:AutoTest.RendersSub*:AutoTest.Spreads*:CascadeTracker.F*:ClosedSurfaces.*:*Ellipses.*raytrace*:FaceFinder.FindsBoth*:FaceNetworks.TheIris*:Fidelity.A*:Framing.AS*:*GaussianCaptures*:GltfLimits.I*:*GpuCapture*:GpuGaussianPicture.*:GpuPicture.*:GpuWindows.Larger*:HardFaces.*:HeatMap.OfG*:KeptFrame.TheTexture*:Label*.Agrees*:Label*.IsNotWorse*:LevelKernels.*:MakeStatue.*:Mulder.P*:*NetworkTracker.*:PartsOfAMesh.*:PlanChart.H*:PrepareScene.*:Raytrace.A*:RenderImage.*:SurfaceQuery.F*:SurfelsFromPoints.*:SweepLod.*'
 sanitized build/asan/foci_e2e '*BadInputs*:BadUsage*:Batch.Refuse*:Calibrat*:Figures*:HostileInputs*:Overwrite*:Recordings*:Replay.*:ReplayOfAH*:ReplayOfE*:Trace*-HostileInputs.AMeshHasLimits'
-sanitized build/asan/foci_stability_tests '*'
 
 step "tsan: build and test"
 # What has threads of its own, and every method at several numbers of threads.

@@ -289,12 +289,13 @@ void writeSceneSection(std::ostream& out, const SceneView& view, double first_s,
          "now. ";
   if (view.points.size() < view.points_near) {
     out << "The scene is thinned for this page: it shows " << thousands(double(view.points.size()))
-        << " of " << thousands(double(view.points_near)) << " points. ";
+        << " of " << thousands(double(view.points_near))
+        << " points, and rather those that are opaque. ";
   }
   if (view.points_near < view.points_all) {
     out << thousands(double(view.points_all - view.points_near))
-        << " points are left out, which are transparent or more than "
-        << significant(double{view.reach_m}, 2) << " m away. ";
+        << " points are left out, which are more than " << significant(double{view.reach_m}, 2)
+        << " m away. ";
   }
   out << "</p></div>\n<figure>" << scenePlanSvg(view, SceneSide::above)
       << scenePlanSvg(view, SceneSide::right)

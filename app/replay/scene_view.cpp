@@ -40,27 +40,32 @@ SceneView::Point pointOf(const SurfelCloud& cloud, std::size_t i) {
   return point;
 }
 
-/// Points that are opaque and within reach, evenly by number: those where the fraction of number
-/// times golden ratio is small, so that rows of a grid leave no pattern.
+/// Points within reach, evenly by number: those where the fraction of number times golden ratio is
+/// small, so that rows of a grid leave no pattern. A point is as likely as it is opaque (Enderton
+/// et al. 2010, Stochastic transparency), so that veils cover what they should.
 void choosePoints(const SurfelCloud& cloud, const glm::dvec3& origin_m, const glm::dmat3& axes,
                   SceneView& view) {
   const auto positions_m = positionsOf(cloud);
   const auto placeOf = [&](std::size_t i) -> std::optional<glm::vec3> {
     const glm::vec3 at_m((glm::dvec3(positions_m[i]) - origin_m) * axes);
     const glm::vec3 away_m = glm::abs(at_m);
-    if (!(std::max({away_m.x, away_m.y, away_m.z}) <= view.reach_m)) return {};
-    return opacityOf(cloud, i) < kLeastOpacity ? std::nullopt : std::optional(at_m);
+    const bool near = std::max({away_m.x, away_m.y, away_m.z}) <= view.reach_m;
+    return near ? std::optional(at_m) : std::nullopt;
   };
   view.points_all = positions_m.size();
-  for (std::size_t i = 0; i < positions_m.size(); ++i) view.points_near += placeOf(i).has_value();
-  const double share =
-      std::min(1.0, static_cast<double>(kMaxViewPoints) / static_cast<double>(view.points_near));
+  double opacity = 0.0;
+  for (std::size_t i = 0; i < positions_m.size(); ++i) {
+    if (!placeOf(i)) continue;
+    ++view.points_near;
+    opacity += double{opacityOf(cloud, i)};
+  }
+  const double share = std::min(1.0, static_cast<double>(kMaxViewPoints) / opacity);
   std::uint64_t fraction = 0;
   for (std::size_t i = 0; i < positions_m.size(); ++i) {
     const auto at_m = placeOf(i);
     if (!at_m) continue;
     fraction += kGoldenFraction;
-    if (static_cast<double>(fraction) * 0x1p-64 >= share) continue;
+    if (static_cast<double>(fraction) * 0x1p-64 >= share * double{opacityOf(cloud, i)}) continue;
     view.points.push_back(pointOf(cloud, i));
     view.points.back().at_m = *at_m;
     view.points.back().radius_m /= static_cast<float>(std::sqrt(share));

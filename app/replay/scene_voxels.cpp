@@ -10,7 +10,8 @@
 namespace foci {
 namespace {
 
-constexpr double kCubes = 80.0;  // along the longest side
+constexpr double kCubes = 80.0;        // along the longest side
+constexpr float kLeastOpacity = 0.3f;  // of what hides something
 
 }  // namespace
 

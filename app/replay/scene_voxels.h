@@ -13,9 +13,8 @@ namespace foci {
 /// Radius of a disc about a surfel or Gaussian, so that discs cover the surface.
 float coveringRadius_m(const SurfelCloud& cloud, std::size_t i);
 
-/// The opacity of a surfel or Gaussian, and the one below which it hides nothing.
+/// Of a surfel or Gaussian.
 float opacityOf(const SurfelCloud& cloud, std::size_t i);
-inline constexpr float kLeastOpacity = 0.3f;
 
 class SceneVoxels {
  public:

@@ -179,10 +179,12 @@ def turned_to(direction):
 
 def write_headset():
     """EyeNavGS: rows of both eyes alternate. The head sways before the vase and the ball of room.spz."""
-    spots = [(0.5, 0.6, -0.7), (-0.5, 0.3, 0.25), (0.2, 1.5, -2.0), (-1.4, 1.2, -2.0)]
+    # On the surfaces: the vase, the ball, the floor, the walls.
+    spots = [(0.449, 0.162, -0.557), (0.486, 0.648, -0.733), (0.465, 0.972, -0.63), (-0.446, 0.358, 0.262),
+             (1.1, 0, -0.2), (-1.4, 0, -0.9), (0.2, 1.5, -2), (-1.4, 1.2, -2), (-2, 1, -0.5), (1.5, 0.7, -2)]
     lines = ["ViewIndex,FOV1,FOV2,FOV3,FOV4,PositionX,PositionY,PositionZ,QuaternionX,QuaternionY,QuaternionZ,QuaternionW,"
              "GazePosX,GazePosY,GazePosZ,GazeQX,GazeQY,GazeQZ,GazeQW,Timestamp"]
-    for t, spot in looks(7, 1.5, 72, spots, 0.004):
+    for t, spot in looks(7, 2.4, 36, spots, 0.001):
         head = (0.15 * math.sin(t), 1.5 + 0.02 * math.sin(2.3 * t), 1.6)
         for view in (0, 1):
             eye = (head[0] + (view - 0.5) * 0.064, head[1], head[2])

@@ -34,8 +34,8 @@ if not recordings:
 rows = []
 for name, recording in recordings.items():
     events = recording.events()
-    fixations = events[events["kind"] == "fixation"]
-    saccades = events[events["kind"] == "saccade"]
+    fixations = events[events["event"] == "fixation"]
+    saccades = events[events["event"] == "saccade"]
     rows.append((name, len(recording), recording.rate_Hz, len(fixations),
                  1000 * np.median(fixations["duration_s"]) if fixations.size else np.nan,
                  np.median(saccades["amplitude_deg"]) if saccades.size else np.nan))

@@ -29,7 +29,7 @@ def _recording_events(self, *, as_frame=False, **settings):
     it as fixation. saccade_deg_s, min_fixation_s, max_blink_s, delay_s: see docs/python.md. as_frame: return a pandas
     DataFrame.
 
-    Returns a structured array with the fields kind, onset_s, duration_s, x_px, y_px, start_x_px, start_y_px,
+    Returns a structured array with the fields event, onset_s, duration_s, x_px, y_px, start_x_px, start_y_px,
     amplitude_deg, peak_velocity_deg_s, probability. A value that an event does not have is NaN.
     """
     return _table(self._events(**settings), as_frame)

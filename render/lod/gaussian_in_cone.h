@@ -31,7 +31,7 @@ struct ConeFrame {
 struct GaussianInCone {
   float near_m;      ///< its distance along the ray
   glm::vec2 middle;  ///< its centre
-  float xx, xy, yy;  ///< its covariance, projected at its centre, as the renderer does
+  float xx, xy, yy;  ///< its covariance across the ray, seen from that distance
   float opacity;
 };
 
@@ -41,6 +41,8 @@ inline constexpr float kGaussianReach = 3.0f;
 /// The distance is the mean, over the cone, of the places where the density is largest along a line
 /// parallel to the ray. This is the mean of the normal distribution, given the two lengths across
 /// the ray. So a large flat Gaussian lies where the ray meets its plane, however far the centre is.
+/// Lines of the narrow cone count as parallel. The renderer's projection at the centre would spread
+/// a Gaussian beside the eye, such as the floor below it, over the whole view.
 /// @return absent if the Gaussian does not reach into the cone, or lies behind `nearest_m`
 inline std::optional<GaussianInCone> gaussianInCone(const ConeFrame& cone,
                                                     const GaussianCloud& cloud, std::size_t i,
@@ -63,26 +65,22 @@ inline std::optional<GaussianInCone> gaussianInCone(const ConeFrame& cone,
     return glm::vec2(vyy * v.x - vxy * v.y, vxx * v.y - vxy * v.x) / (vxx * vyy - vxy * vxy);
   };
 
-  const float inverse = 1.0f / depth, inverse2 = inverse * inverse;
-  const glm::vec2 m = aside * inverse;
-  const GaussianInCone seen{
-      .near_m = 0.0f,
-      .middle = m,
-      .xx = (xx - 2.0f * m.x * xz + m.x * m.x * zz) * inverse2,
-      .xy = (xy - m.x * yz - m.y * xz + m.x * m.y * zz) * inverse2,
-      .yy = (yy - 2.0f * m.y * yz + m.y * m.y * zz) * inverse2,
-      .opacity = cloud.opacity[i],
-  };
-  const float mahalanobis = glm::dot(m, solve(seen.xx + window, seen.xy, seen.yy + window, m));
-  if (!(mahalanobis < kGaussianReach * kGaussianReach)) return std::nullopt;
-
   const float window_m2 = window * depth * depth;
   const glm::vec2 solved = solve(xx + window_m2, xy, yy + window_m2, aside);
   const float reach = kGaussianReach * std::sqrt(zz);
-  GaussianInCone found = seen;
-  found.near_m = depth - std::clamp(xz * solved.x + yz * solved.y, -reach, reach);
-  if (!(found.near_m >= nearest_m)) return std::nullopt;
-  return found;
+  const float near_m = depth - std::clamp(xz * solved.x + yz * solved.y, -reach, reach);
+  if (!(near_m >= nearest_m)) return std::nullopt;
+
+  const float inverse = 1.0f / near_m, inverse2 = inverse * inverse;
+  const GaussianInCone found{.near_m = near_m,
+                             .middle = aside * inverse,
+                             .xx = xx * inverse2,
+                             .xy = xy * inverse2,
+                             .yy = yy * inverse2,
+                             .opacity = cloud.opacity[i]};
+  const glm::vec2& m = found.middle;
+  const float mahalanobis = glm::dot(m, solve(found.xx + window, found.xy, found.yy + window, m));
+  return mahalanobis < kGaussianReach * kGaussianReach ? std::optional(found) : std::nullopt;
 }
 
 /// The mean opacity over the cone of the Gaussians so far. Rays spread evenly over the cone are

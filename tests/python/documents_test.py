@@ -70,7 +70,7 @@ class DocumentsTest(unittest.TestCase):
             self.run_page(ROOT / "docs/python.md", names)
         self.assertEqual((self.folder / "lion.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual(names["fixations"]["x_px"].round().tolist(), [500.0, 1400.0])
-        self.assertEqual(list(names["table"]["kind"]).count("fixation"), 2)
+        self.assertEqual(list(names["table"]["event"]).count("fixation"), 2)
         # 20 px of the map's screen, 0.5313 m over 1920 px at 0.6 m, as an angle on the recording's screen.
         offset_px = 20 * 0.5313 / 1920 / 0.6 * 0.67 / (0.38 / 1024)
         np.testing.assert_allclose(names["mapped"].x[0], 300.0 - offset_px, atol=0.05)

@@ -226,16 +226,16 @@ class GaussiansTest(unittest.TestCase):
 class EventsTest(unittest.TestCase):
     def test_finds_two_fixations_and_the_saccade_between_them(self):
         table = foci.events(*fixations())
-        self.assertEqual([kind for kind in table["kind"] if kind != "pso"], ["fixation", "saccade", "fixation"])
-        saccade = table[table["kind"] == "saccade"][0]
+        self.assertEqual([event for event in table["event"] if event != "pso"], ["fixation", "saccade", "fixation"])
+        saccade = table[table["event"] == "saccade"][0]
         self.assertAlmostEqual(saccade["onset_s"], 0.5, delta=0.012)
-        np.testing.assert_allclose(table["x_px"][table["kind"] == "fixation"], (500, 1400), atol=2)
+        np.testing.assert_allclose(table["x_px"][table["event"] == "fixation"], (500, 1400), atol=2)
         self.assertTrue(np.isnan(table["amplitude_deg"][0]))
 
     def test_nan_is_data_loss(self):
         t, x, y = fixations()
         x[t > 1.0] = np.nan
-        self.assertEqual(foci.events(t, x, y)["kind"][-1], "lost")
+        self.assertEqual(foci.events(t, x, y)["event"][-1], "lost")
 
     def test_labels_have_one_word_for_each_sample(self):
         recording = foci.Recording(*fixations())
@@ -253,7 +253,7 @@ class EventsTest(unittest.TestCase):
             return
         frame = foci.events(*fixations(), as_frame=True)
         self.assertIsInstance(frame, pandas.DataFrame)
-        self.assertEqual(set(frame["kind"]) - {"pso"}, {"fixation", "saccade"})
+        self.assertEqual(set(frame["event"]) - {"pso"}, {"fixation", "saccade"})
 
     def test_reads_a_recording_from_a_file(self):
         t, x, y = fixations()

@@ -62,15 +62,19 @@ TEST(SceneView, LooksFromBehindTheObserver) {
   EXPECT_LT(glm::distance(view->fixations[0].normal, {0.0f, 0.0f, 1.0f}), kRounding_m);
 }
 
-TEST(SceneView, LeavesOutWhatIsFarOrTransparent) {
-  SurfelCloud cloud = wallOf(10);
-  auto view = sceneViewOf(cloud, gazeOnTheRight());
+TEST(SceneView, LeavesOutWhatIsFar) {
+  const auto view = sceneViewOf(wallOf(10), gazeOnTheRight());
   EXPECT_EQ(view->points.size(), 100u);
   EXPECT_EQ(view->points_all, 101u);
   EXPECT_EQ(view->points[0].color, glm::u8vec3(255, 0, 0));
-  cloud.opacity.assign(cloud.size(), 1.0f);
-  cloud.opacity[0] = 0.1f;
-  EXPECT_EQ(sceneViewOf(cloud, gazeOnTheRight())->points.size(), 99u);
+}
+
+TEST(SceneView, ShowsAPointAsOftenAsItIsOpaque) {
+  SurfelCloud cloud = wallOf(100);
+  cloud.opacity.assign(cloud.size(), 0.15f);
+  const auto view = sceneViewOf(cloud, gazeOnTheRight());
+  EXPECT_EQ(view->points_near, 10'000u);
+  EXPECT_NEAR(static_cast<double>(view->points.size()), 1500.0, 15.0);
 }
 
 TEST(SceneView, ThinsEvenly) {

@@ -98,6 +98,20 @@ TEST(GaussianFocus, IsNotOnAFloorAboveItsHorizon) {
   EXPECT_FALSE(SurfaceQuery(scene).distance(glm::dvec3(0.0), up, kHalfAngle_rad, 0.05));
 }
 
+TEST(GaussianFocus, IsNotOnAFloorBelowTheEye) {
+  // Projected at their centres, which are nearly at right angles to the ray, these fill the view.
+  GaussianCloud cloud;
+  addGaussian(cloud, {0.0f, 0.0f, -2.0f}, {1.0f, 1.0f, 1e-4f}, 0.97f, glm::vec3(0.5f));
+  for (int i = 1; i < 8; ++i) {
+    addGaussian(cloud, {0.0f, -0.8f, -0.01f * static_cast<float>(i)}, {0.05f, 0.008f, 0.05f}, 0.97f,
+                glm::vec3(0.5f));
+  }
+  for (const double down : {-0.1, 0.0, 0.1}) {
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(0.0, -down, -1.0));
+    EXPECT_NEAR(focusIn(cloud, direction).value_or(0.0), 2.0 / -direction.z, 2e-3) << down;
+  }
+}
+
 TEST(GaussianFocus, OfThinGaussiansAlongTheRayIsAtTheirCentre) {
   // A blade that holds the ray, a needle along it, and a needle beside it, in the cone.
   for (const glm::vec3 sigma_m : {glm::vec3(1e-6f, 0.1f, 0.2f), glm::vec3(1e-6f, 1e-6f, 0.2f)}) {
