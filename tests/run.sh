@@ -68,7 +68,7 @@ lint() {
 step "attacks"
 python3 tests/attacks/attacks.py build/release/foci --jobs 3
 
-step "lint, and beside it, since it mostly waits, the workflow on a real SLURM, where slurm-wlm and munge are installed"
+step "lint, and beside it, since it mostly waits, the workflow on a real SLURM"
 python3 tests/batch/slurm_test.py build/release/foci &
 slurm=$!
 cmake --preset asan -DFOCI_TESTS=ON >/dev/null
