@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <utility>
 
+#include "app/live/objects.h"
 #include "app/study/study_words.h"
 #include "base/text.h"
 #include "render/methods/method.h"
@@ -40,6 +43,8 @@ constexpr HelpLine kHelp[] = {
     {"R", "record: begin, end"},
     {"space", "an event marker in the record"},
     {"P", "save the image to a file"},
+    {"O", "an object of interest, at the mouse"},
+    {"F2", "save the study to a file, with its objects"},
 };
 
 /// Shows text on a dark ground, centred at `x`. @return the y below it
@@ -130,6 +135,50 @@ std::string stageText(const GpuTimes& times) {
   return text;
 }
 
+/// The objects of interest. Each change makes a new list.
+void objectControls(std::vector<NamedShape> objects, const LiveControls& controls) {
+  if (objects.empty() || !ImGui::CollapsingHeader("Objects", ImGuiTreeNodeFlags_DefaultOpen))
+    return;
+  std::optional<std::size_t> removed;
+  bool changed = false;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    NamedShape& object = objects[i];
+    ImGui::PushID(static_cast<int>(i));
+    std::array<char, 64> name{};
+    object.name.copy(name.data(), name.size() - 1);
+    ImGui::InputText("##name", name.data(), name.size());
+    if (ImGui::IsItemDeactivatedAfterEdit() && name[0] != '\0') {
+      object.name = name.data();
+      changed = true;
+    }
+    ImGui::SameLine();
+    if (ImGui::Button(object.size_m ? "box" : "sphere")) {
+      changeKind(object);
+      changed = true;
+    }
+    ImGui::SameLine();
+    if (ImGui::Button("remove")) removed = i;
+    const auto drag = [&](const char* label, double* values, int count, float least) {
+      std::array<float, 3> now{};
+      std::copy_n(values, count, now.begin());
+      const float speed = 0.01f * static_cast<float>(object.radius_m.value_or(0.1));
+      if (!ImGui::DragScalarN(label, ImGuiDataType_Float, now.data(), count, speed, &least, nullptr,
+                              "%.3f")) {
+        return;
+      }
+      std::transform(now.begin(), now.begin() + count, values,
+                     [&](float value) { return std::max(value, least); });
+      changed = true;
+    };
+    drag("centre, m", &object.center_m.x, 3, -1e6f);
+    if (object.size_m) drag("edges, m", &object.size_m->x, 3, 1e-3f);
+    if (object.radius_m) drag("radius, m", &*object.radius_m, 1, 1e-3f);
+    ImGui::PopID();
+  }
+  if (removed) objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(*removed));
+  if (changed || removed) controls.set_objects(std::move(objects));
+}
+
 /// What method auto may spend on a frame.
 void qualityControls(const QualitySettings& quality, const LiveControls& controls) {
   if (!ImGui::CollapsingHeader("Quality (method auto)")) return;
@@ -186,12 +235,15 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
     check("left half sharp", study.output.split, "output.split", controls);
     eyeControls(study.observer, controls);
     qualityControls(study.quality, controls);
+    objectControls(study.scene.objects, controls);
     ImGui::PopItemWidth();
     if (ImGui::Button(content.state.record ? "End the record" : "Record")) {
       controls.toggle_record();
     }
     ImGui::SameLine();
     if (ImGui::Button("Save image")) controls.screenshot();
+    ImGui::SameLine();
+    if (ImGui::Button("Save study")) controls.save_study();
     ImGui::SameLine();
     if (ImGui::Button("Event marker")) controls.add_marker();
     ImGui::Separator();
@@ -284,6 +336,17 @@ void drawSyncPatch(int side_px, int level) {
   const int code = 255 * level / (kSyncLevels - 1);
   ImGui::GetForegroundDrawList()->AddRectFilled({area.x - side, area.y - side}, area,
                                                 IM_COL32(code, code, code, 255));
+}
+
+void drawObjects(const std::vector<glm::dvec2>& ends_px, const glm::ivec2& image_px) {
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  const glm::vec2 scale = glm::vec2(area.x, area.y) / glm::vec2(image_px);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  for (std::size_t i = 0; i + 1 < ends_px.size(); i += 2) {
+    const glm::vec2 from = scale * glm::vec2(ends_px[i]), to = scale * glm::vec2(ends_px[i + 1]);
+    list.AddLine({from.x, from.y}, {to.x, to.y}, kVeil, 3.0f);
+    list.AddLine({from.x, from.y}, {to.x, to.y}, kWarning, 1.0f);
+  }
 }
 
 void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,

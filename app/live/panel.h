@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "app/live/options.h"
 #include "app/live/pose.h"
@@ -34,7 +35,8 @@ class FrameGraph {
 /// What panel and keys can do.
 struct LiveControls {
   std::function<void(const std::string& key, const std::string& toml)> change;
-  std::function<void()> toggle_record, screenshot, add_marker;
+  std::function<void(std::vector<NamedShape> objects)> set_objects;
+  std::function<void()> toggle_record, screenshot, add_marker, save_study;
 };
 
 struct PanelContent {
@@ -58,6 +60,9 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
 /// Draws gaze markers behind everything, as `drawGazeMarkers` does in an image.
 void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,
                    const glm::ivec2& image_px);
+
+/// Draws the study's objects behind everything.
+void drawObjects(const std::vector<glm::dvec2>& ends_px, const glm::ivec2& image_px);
 
 /// Draws the patch for a photodiode in the lower right corner.
 /// @param level  0 (black) to 3 (white)

@@ -58,6 +58,7 @@ struct LiveFrame {
   std::shared_ptr<GpuTexture> texture;  ///< shows the frame; null: `image` does
   LaterImage image;                     ///< invalid where only the texture is needed
   std::vector<glm::dvec2> markers_px;   ///< gaze markers, which the image has and the texture lacks
+  std::vector<glm::dvec2> lines_px{};   ///< of the study's objects: two ends each; not in the image
   std::shared_ptr<RenderedFrame> on_gpu;  ///< what the texture was made of, for the renderer alone
   FrameTiming timing;
   std::weak_ptr<LiveRecord> record_file;  ///< the record it belongs to, if any

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "app/live/objects.h"
 #include "app/record/gaze_marker.h"
 #include "app/session/auto_method.h"
 #include "app/study/framing.h"
@@ -116,6 +117,23 @@ std::future<std::string> LiveRenderer::change(const std::string& key, const std:
       state_.record->add(Change{std::max(clock_.now_s(), last_frame_s_ + kTick_s), key, toml});
     }
   });
+}
+
+std::future<std::string> LiveRenderer::placeObject(const glm::dvec2& point_px) {
+  return post([this, point_px] {
+    const auto point_m = session_->surfaceUnder_m(last_frame_s_, point_px);
+    if (!point_m) throw std::runtime_error("no surface under the pointer");
+    const EyePath& path = session_->settings().path;
+    const glm::dmat4 eye_from_world(path.eyeFromWorldAt(last_frame_s_ - session_start_s_));
+    const glm::dvec3 eye_m(glm::inverse(eye_from_world)[3]);
+    std::vector<NamedShape>& objects = study_.scene.objects;
+    objects.push_back(objectAt(*point_m, glm::distance(*point_m, eye_m), objects));
+    tell(objects.back().name + " placed; F2 saves the study");
+  });
+}
+
+std::future<std::string> LiveRenderer::setObjects(std::vector<NamedShape> objects) {
+  return post([this, objects = std::move(objects)] { study_.scene.objects = objects; });
 }
 
 std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& folder) {
@@ -468,6 +486,12 @@ void LiveRenderer::fill(LiveFrame& frame, RenderedFrame& rendered) {
   frame.on_gpu = on_gpu_;
   if (study_.output.marker) frame.markers_px = session_->gazePoints_px(frame.record);
   if (plain_.valid()) frame.image = marked(plain_, frame);
+  std::vector<glm::vec3> ends_m;
+  for (const NamedShape& object : study_.scene.objects) {
+    const auto lines_m = linesOf(object);
+    ends_m.insert(ends_m.end(), lines_m.begin(), lines_m.end());
+  }
+  frame.lines_px = session_->linesInImage_px(frame.record.time_s, ends_m);
 }
 
 }  // namespace foci

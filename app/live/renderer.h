@@ -66,6 +66,10 @@ class LiveRenderer {
   std::future<std::string> change(const std::string& key, const std::string& toml);
   std::future<std::string> startRecord(const std::filesystem::path& folder);
   std::future<std::string> stopRecord();
+  /// Adds an object of interest on the surface that a point of the screen shows.
+  std::future<std::string> placeObject(const glm::dvec2& point_px);
+  /// They are the study's from now on. A record in progress keeps its own.
+  std::future<std::string> setObjects(std::vector<NamedShape> objects);
   /// Sets an event marker. @return its time
   double addMarker(const std::string& text);
 

@@ -23,6 +23,7 @@
 #include "app/platform/output_files.h"
 #include "app/platform/remote_socket.h"
 #include "app/record/gaze_marker.h"
+#include "app/study/study_text.h"
 #include "app/study/study_words.h"
 #include "app/window/window.h"
 #include "base/file.h"
@@ -81,6 +82,8 @@ class LiveWindow {
   void toggle(const char* name, bool now) { change(name, now ? "false" : "true"); }
   void toggleRecord();
   void screenshot();
+  void saveStudy();
+  void placeObject();
 
   LiveClock clock_;
   Screen screen_;
@@ -116,9 +119,11 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
     pose_.emplace(*study.eye.position_m, *study.eye.look_at_m, study.eye.up);
   }
   controls_ = {.change = [this](const auto& name, const auto& toml) { change(name, toml); },
+               .set_objects = [this](auto objects) { renderer_->setObjects(std::move(objects)); },
                .toggle_record = [this] { toggleRecord(); },
                .screenshot = [this] { screenshot(); },
-               .add_marker = [this] { renderer_->addMarker("panel"); }};
+               .add_marker = [this] { renderer_->addMarker("panel"); },
+               .save_study = [this] { saveStudy(); }};
   feed_.emplace(openLiveSource(options.source, study), clock_);
   // The scene loads while the window opens.
   const auto wake = [this] {
@@ -273,6 +278,12 @@ void LiveWindow::key(int key) {
     case GLFW_KEY_F1:
       panel_ = !panel_;
       break;
+    case GLFW_KEY_F2:
+      saveStudy();
+      break;
+    case GLFW_KEY_O:
+      placeObject();
+      break;
     case GLFW_KEY_F:
       change("focus.fixed_D", study.focus.fixed_D ? "null" : tomlNumber(focus_D));
       break;
@@ -320,6 +331,26 @@ void LiveWindow::toggleRecord() {
   }
 }
 
+void LiveWindow::saveStudy() {
+  const std::filesystem::path file = unusedName(".toml");
+  try {
+    writeText(file, annotatedStudyToml(renderer_->state().study, "", "Saved by foci live."));
+    renderer_->tell("study in " + file.string());
+  } catch (const std::exception& error) {
+    renderer_->tell(error.what());
+  }
+}
+
+/// The panel then shows the object's name and size.
+void LiveWindow::placeObject() {
+  if (!window_->hovered() || ImGui::GetIO().WantCaptureMouse) {
+    renderer_->tell("no surface under the pointer");
+    return;
+  }
+  renderer_->placeObject(window_->cursor_px() / window_->size_px() * glm::dvec2(screen_.size_px));
+  panel_ = true;
+}
+
 void LiveWindow::screenshot() {
   if (!frame_) return;
   if (saving_.valid() && saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
@@ -357,6 +388,10 @@ void LiveWindow::draw() {
                              .graph = graph_,
                              .summary = summary_,
                              .now_s = now_s};
+  if (panel_ && frame_) {
+    drawObjects(frame_->lines_px,
+                frame_->texture ? frame_->texture->size_px() : frame_->image.get()->size_px);
+  }
   if (panel_) drawPanel(content, controls_, panel_);
   if (help_) drawHelp(help_);
   drawNotices(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);

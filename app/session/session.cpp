@@ -140,16 +140,51 @@ std::vector<EyeView> Session::viewsAt(double time_s) const {
                   settings_.screen.distance_m);
 }
 
+namespace {
+
+/// Where the view shows a point; absent: not in its image.
+std::optional<glm::vec2> whereShown_px(const View& view, const glm::vec3& point_m) {
+  const glm::vec3 p_eye(view.eye_from_world * glm::vec4(point_m, 1.0f));
+  if (-p_eye.z < view.near_m) return std::nullopt;
+  const glm::vec2 at_px = project(view, p_eye);
+  const bool inside = glm::all(glm::greaterThanEqual(at_px, glm::vec2(0.0f))) &&
+                      glm::all(glm::lessThan(at_px, glm::vec2(view.size_px)));
+  return inside ? std::optional(at_px) : std::nullopt;
+}
+
+}  // namespace
+
 bool Session::isInView(double time_s, std::span<const glm::vec3> points_m) const {
   return std::ranges::any_of(viewsAt(time_s), [&](const EyeView& eye) {
     return std::ranges::any_of(points_m, [&](const glm::vec3& point_m) {
-      const glm::vec3 p_eye(eye.view.eye_from_world * glm::vec4(point_m, 1.0f));
-      if (-p_eye.z < eye.view.near_m) return false;
-      const glm::vec2 at_px = project(eye.view, p_eye);
-      return glm::all(glm::greaterThanEqual(at_px, glm::vec2(0.0f))) &&
-             glm::all(glm::lessThan(at_px, glm::vec2(eye.view.size_px)));
+      return whereShown_px(eye.view, point_m).has_value();
     });
   });
+}
+
+std::vector<glm::dvec2> Session::linesInImage_px(double time_s,
+                                                 std::span<const glm::vec3> ends_m) const {
+  std::vector<glm::dvec2> ends_px;
+  for (const EyeView& eye : viewsAt(time_s)) {
+    for (std::size_t i = 0; i + 1 < ends_m.size(); i += 2) {
+      const auto from = whereShown_px(eye.view, ends_m[i]),
+                 to = whereShown_px(eye.view, ends_m[i + 1]);
+      if (!from || !to) continue;
+      for (const auto& end : {*from, *to}) {
+        ends_px.push_back(glm::dvec2(eye.corner_px) + glm::dvec2(end));
+      }
+    }
+  }
+  return ends_px;
+}
+
+std::optional<glm::dvec3> Session::surfaceUnder_m(double time_s, const glm::dvec2& point_px) const {
+  const glm::dvec3 sight_eye = lineOfSight(settings_.screen, point_px);
+  const auto distance_m =
+      surfaceDistance(time_s, sight_eye, glm::radians(settings_.focus.cone_half_angle_deg));
+  if (!distance_m) return std::nullopt;
+  const glm::dmat4 eye_from_world(settings_.path.eyeFromWorldAt(time_s - start_s_));
+  return glm::dvec3(glm::inverse(eye_from_world) * glm::dvec4(*distance_m * sight_eye, 1.0));
 }
 
 std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& direction_eye,
@@ -315,14 +350,14 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
   if (!settings_.quality.foveated) return quality;
   if (const auto& point_px = rendered_eye_ ? rendered_eye_->gaze_px : gazeOf(record)) {
     quality.acuity =
-        acuityAround(inView_px(*point_px, eye),
+        acuityAround(placeInImage_px(*point_px, eye),
                      glm::radians(std::sqrt(eye.view.focal_px.x * eye.view.focal_px.y)));
   }
   return quality;
 }
 
 /// A point of the screen, which all views share, where the eye's own view shows it.
-glm::vec2 Session::inView_px(const glm::dvec2& point_px, const EyeView& eye) const {
+glm::vec2 Session::placeInImage_px(const glm::dvec2& point_px, const EyeView& eye) const {
   const Screen& screen = settings_.screen;
   const glm::dvec3 sight = lineOfSight(screen, point_px);
   const glm::dvec3 p_eye =
@@ -336,7 +371,7 @@ void Session::addField(const FrameRecord& record, const EyeView& eye, Defocus& d
   std::optional<glm::dvec2> point_px = rendered_eye_ ? rendered_eye_->gaze_px : gazeOf(record);
   if (!point_px) point_px = last_gaze_px_;
   field_.set(*settings_.observer.field, eye.offset_m < 0.0, eye.view,
-             point_px ? inView_px(*point_px, eye) : eye.view.principal_px, defocus);
+             point_px ? placeInImage_px(*point_px, eye) : eye.view.principal_px, defocus);
 }
 
 RenderRequest Session::requestOf(const std::string& method, const FrameRecord& record) const {

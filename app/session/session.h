@@ -62,6 +62,9 @@ class Session {
   /// there, at the nearest surface on the smallest ring around it that meets one. Absent: on none.
   std::optional<glm::dvec2> middleSurface_px(double time_s) const;
 
+  /// The surface that a point of the screen shows, in the world; absent: none.
+  std::optional<glm::dvec3> surfaceUnder_m(double time_s, const glm::dvec2& point_px) const;
+
   /// What the eye of the last `look` or `lookSettled` sees, to be rendered by `method`. If the
   /// session's method chooses its quality (`auto`), focus, pupil and gaze change in steps too small
   /// to see, so that an eye at rest has equal requests. With foveation nothing changes in saccades
@@ -107,6 +110,10 @@ class Session {
 
   /// Where the observer looks in the image: a point for each view in it.
   std::vector<glm::dvec2> gazePoints_px(const FrameRecord& record) const;
+
+  /// Where the image shows lines, in each view: two ends each. Lines that leave the view are
+  /// absent.
+  std::vector<glm::dvec2> linesInImage_px(double time_s, std::span<const glm::vec3> ends_m) const;
 
   /// Whether a view of that time has any of the points in its image.
   bool isInView(double time_s, std::span<const glm::vec3> points_m) const;

@@ -4,13 +4,16 @@
 """
 
 import concurrent.futures
+import glob
 import json
+import math
 import os
 import shutil
 import socket
 import subprocess
 import sys
 import time
+import tomllib
 
 from observer import Observer
 
@@ -235,6 +238,27 @@ def push_gaze(observer, foci, out, seconds=6):
     assert abs(steps[len(steps) // 2] - 0.001) < 1e-5, steps[len(steps) // 2]
 
 
+def place_an_object(observer, foci, out):
+    """A key names what the mouse points at, and the study that another key saves has it."""
+    program, experiment = start(observer, foci, out + "/plane.toml")
+    observer.look(0.5 * SIZE[0], 0.5 * SIZE[1])
+    state = experiment.until(lambda s: s["gaze_state"] == "fixation" and s["surface_distance_m"] and s["method"],
+                             "looking at the plane")
+    observer.press("o")
+    experiment.rendered(0.5)
+    observer.screenshot(out + "/live-object.png")
+    observer.press("F2")
+    experiment.rendered(0.3)
+    leave(program, experiment)
+    (saved,) = glob.glob("foci-*.toml")
+    with open(saved, "rb") as file:
+        study = tomllib.load(file)
+    (placed,) = study["scene"]["object"]
+    away_m = math.dist(placed["center_m"], study["eye"]["position_m"])
+    assert placed["name"] == "object 1" and abs(away_m / state["surface_distance_m"] - 1) < 0.02, (placed, state)
+    assert abs(placed["radius_m"] / away_m - math.tan(math.radians(2))) < 1e-3, placed
+
+
 def kill_the_program(observer, foci, out):
     record = out + "/killed"
     program, experiment = start(observer, foci, out + "/plane.toml", "--record", record)
@@ -294,6 +318,7 @@ def main():
     foci, out = sys.argv[1], os.path.abspath(sys.argv[2]) + "/live"
     shutil.rmtree(out, ignore_errors=True)
     os.makedirs(out)
+    os.chdir(out)  # where foci saves what keys ask for
     with open(out + "/study.toml", "w") as file:
         file.write("[output]\nmarker = true\n[render]\nmethod = \"sweep\"\n")
     # A scene that is there at once, for the runs that do not depend on depth.
@@ -309,7 +334,7 @@ def main():
             observer.close()
 
     # Two observers play at the same time, each before a display of their own.
-    others = [(lose_the_tracker,), (push_gaze,), (kill_the_program,), (render_on_the_gpu,)]
+    others = [(lose_the_tracker,), (push_gaze,), (place_an_object,), (kill_the_program,), (render_on_the_gpu,)]
     if len(sys.argv) > 4:
         others.append((lose_a_pupil_core, sys.argv[4]))
     with concurrent.futures.ThreadPoolExecutor() as pool:

@@ -73,6 +73,28 @@ Study wallStudy() {
   return study;
 }
 
+TEST(Session, FindsTheSurfaceUnderAPointAndShowsItThere) {
+  const Study study = wallStudy();
+  const SurfelCloud cloud = wall();
+  const Screen screen = study.screenInForce();
+  const Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
+  const glm::dvec2 point_px = glm::dvec2(0.55, 0.45) * glm::dvec2(screen.size_px);
+  const auto point_m = session.surfaceUnder_m(0.0, point_px);
+  ASSERT_TRUE(point_m);
+  const glm::dvec2 on_screen_m = glm::dvec2(0.05, 0.05) * screen.size_m;
+  EXPECT_NEAR(point_m->x, on_screen_m.x / screen.distance_m * 2.0, 1e-3);
+  EXPECT_NEAR(point_m->y, on_screen_m.y / screen.distance_m * 2.0, 1e-3);
+  EXPECT_NEAR(point_m->z, -2.0, 1e-3);
+  const glm::vec3 at_m(*point_m);
+  const std::vector<glm::vec3> ends_m{
+      at_m, at_m, at_m, {0.0f, 0.0f, 1.0f}};  // one is behind the eye
+  const auto ends_px = session.linesInImage_px(0.0, ends_m);
+  ASSERT_EQ(ends_px.size(), 2u);
+  EXPECT_NEAR(ends_px[0].x, 0.55 * 64, 0.01);
+  EXPECT_NEAR(ends_px[0].y, 0.45 * 36, 0.01);
+  EXPECT_FALSE(session.surfaceUnder_m(0.0, {-2000.0, -2000.0}));
+}
+
 TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   const Study study = wallStudy();
   const SurfelCloud cloud = wall();
