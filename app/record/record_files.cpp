@@ -107,6 +107,49 @@ double meanRate_Hz(std::size_t frames, double span_s, double otherwise) {
   return std::clamp(rate_Hz, 1.0, 1000.0);
 }
 
+std::string headHeader() { return "time_s\tof\tinferred\tx_m\ty_m\tz_m\tqx\tqy\tqz\tqw\n"; }
+
+std::string headRow(const HeadRow& row) {
+  const auto& [p, q] = row.head;
+  std::string text = decimal(row.time_s, 6) + (row.of_sample ? "\tsample\t" : "\tframe\t") +
+                     (row.inferred ? "1" : "0");
+  for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) text += '\t' + exactly(value);
+  return text + '\n';
+}
+
+std::vector<HeadRow> readHeads(const std::filesystem::path& file) {
+  LineReader lines(file);
+  std::string_view line;
+  std::vector<HeadRow> rows;
+  for (bool header = true; lines.next(line); header = false) {
+    if (header || line.empty()) continue;
+    const auto fields = fieldsOf(line);
+    if (fields.size() != 10) break;  // the record of a killed run may end within a line
+    std::array<double, 7> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const auto value = parseNumber(fields[i + 3]);
+      if (!value) throw lines.error("field " + shown(fields[i + 3]) + ": expected a number");
+      values.at(i) = *value;
+    }
+    const auto& [x, y, z, qx, qy, qz, qw] = values;
+    rows.push_back({.time_s = timeIn(lines, fields[0], -1e12),
+                    .of_sample = fields[1] == "sample",
+                    .inferred = fields[2] == "1",
+                    .head = {{x, y, z}, glm::dquat(qw, qx, qy, qz)}});
+  }
+  return rows;
+}
+
+void giveHeads(const std::vector<HeadRow>& rows, std::vector<GazeSample>& samples) {
+  auto sample = samples.begin();
+  for (const HeadRow& row : rows) {
+    if (!row.of_sample) continue;
+    while (sample != samples.end() && sample->time_s < row.time_s) ++sample;
+    if (sample == samples.end()) break;
+    if (sample->time_s == row.time_s) sample->head = row.head;
+  }
+}
+
 std::string changesHeader() { return "time_s\tkey\tvalue\n"; }
 
 std::string changeRow(const Change& change) {

@@ -9,6 +9,7 @@
 
 #include "app/platform/interrupt.h"
 #include "app/platform/sha256.h"
+#include "app/record/record_files.h"
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "base/input_error.h"
@@ -44,12 +45,31 @@ std::vector<TraceTrial> trialsOf(const Study& study, const GazeTrace& trace, War
   return trials;
 }
 
+/// The poses of a live run in a headset. Each frame has its own, and so has each sample of gaze.
+void takeRecordedPoses(ReplayedGaze& inputs) {
+  const std::filesystem::path& file = *inputs.study.record.head;
+  const std::vector<HeadRow> rows = readHeads(file);
+  giveHeads(rows, inputs.trace.samples);
+  const double start_s = inputs.trace.samples.front().time_s;
+  std::vector<TrackedPose> poses;
+  for (const HeadRow& row : rows) {
+    if (row.of_sample) continue;
+    poses.push_back({.time_s = row.time_s - start_s,
+                     .position_m = row.head.position_m,
+                     .world_from_eye = row.head.world_from_head});
+  }
+  if (poses.empty()) throw InputError(file.string(), "expected poses of frames");
+  inputs.study.eye.recorded = EyePath(std::move(poses));
+  inputs.trace.screen = inputs.study.screenInForce();
+}
+
 }  // namespace
 
 ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
   ReplayedGaze inputs{
       .study = {}, .trace = loadGaze(study, warnings), .schedule = {}, .changes = {}, .trials = {}};
   inputs.study = withRecordedHead(study, inputs.trace);
+  if (study.record.head) takeRecordedPoses(inputs);
   const glm::ivec2 size_px = inputs.study.imageSize_px();
   if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
     throw InputError(study.file.string(), "images of " + std::to_string(size_px.x) + "x" +

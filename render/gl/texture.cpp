@@ -88,6 +88,7 @@ unsigned GpuTexture::beginShow() {
 }
 
 void GpuTexture::endShow() {
+  const std::lock_guard lock(device_->pool_mutex);  // a headset and a window may show it at once
   glDeleteSync(std::exchange(storage_->shown, glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
   glFlush();
 }
