@@ -14,7 +14,6 @@ a display or xvfb-run. The measurements stay in out/results; `foci chart` contin
 """
 
 import argparse
-import collections
 import csv
 import datetime
 import json
@@ -30,8 +29,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
 BENCH_LEFT_OUT = re.compile(r"SampleMesh/(3|1000)|SweepPlane/blur_dpx:(0|114)|/256px|/25cm|FirstFrame.*/8mm")  # rows that the page does without
-CURVE = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
-SECTIONS = ("bench", "events", "trained_events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "webcam", "large", "python")
+CURVE = (0.3, 0.5, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
+SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "webcam", "large", "python")
 
 
 def run(*command):
@@ -84,7 +83,7 @@ def bench(args):
             continue
         if "splats_per_px" in one:
             device_ms = sum(one[stage + "_ms"] for stage in GPU_STAGES) if "present_ms" in one else None
-            frames.append([f"`{name}`", short(one["median_ms"])] + ([] if device_ms is None else [short(device_ms)]))
+            frames.append(f"`{name}` {short(one['median_ms'])}" + ("" if device_ms is None else f" ({short(device_ms)})"))
         elif "p95_ms" in one:
             gallery.append([f"`{name}`"] + [short(one.get(counter, "n/a")) for counter in counters])
         else:
@@ -93,29 +92,15 @@ def bench(args):
     text = ["`foci_bench`, wall-clock times."]
     if gallery:
         text.append("**A study's frame**: six seconds of gaze over the gallery of two million surfels, 1920 x 1080 px, method "
-                    "`auto`. Times are those of rendered frames; a reused frame takes no time.")
+                    "`auto`. Times are those of rendered frames.")
         text.append(table(["run", "median, ms", "95 %, ms", "share rendered", "predicted error, JND"], gallery))
     if frames:
-        text.append("**One frame** of a scene: method, width of the image, focus, pupil; the median. `FirstFrame` is the first "
-                    "frame of a new renderer on a loaded scene. `GpuFrame` renders on the GPU" +
-                    (f", but no GPU was available ({no_gpu})." if no_gpu else "; the last column is the GPU's own time."))
-        text.append(table(["frame", "ms"] + ([] if no_gpu else ["device, ms"]), frames))
+        text.append("**One frame**: scene, method, width of the image, focus, pupil; the median, ms" +
+                    (f". There was no GPU ({no_gpu})" if no_gpu else ", and the GPU's own time in brackets") +
+                    ". `FirstFrame` is that of a new renderer on a loaded scene. " + ", ".join(frames) + ".")
     if others:
         text.append("**Others**: " + ", ".join(others) + ".")
     return "\n\n".join(text)
-
-
-def events(args):
-    if not args.labelled:
-        return None
-    scored = json.loads(run(args.foci, "events", "--score", "--json", *args.labelled))
-    pairs = list(scored["kappa"])
-    kinds = list(scored["kappa"][pairs[0]])
-    return (f"Cohen's kappa of event labels per sample, over {scored['recordings']} recordings. Columns compare two labellers; "
-            "`coder_` marks a human.\n\n" +
-            table(["label"] + [pair.replace(":", " : ") for pair in pairs],
-                  [[kind] + [short(scored["kappa"][pair][kind]) if scored["kappa"][pair][kind] is not None else "n/a"
-                             for pair in pairs] for kind in kinds if any(scored["kappa"][pair][kind] for pair in pairs)]))
 
 
 # Figure of observers left out (hmr: set left out), kinds whose mean counts, columns, key, goals.
@@ -141,13 +126,15 @@ def event_goals(json_):
         group = "set_left_out" if kinds == ("hmr",) else "observers_left_out"
         return sum(json_[group][kind][column][key] for kind in kinds) / len(kinds)
 
-    rows = []
+    missed = []
     for name, kinds, columns, key, goals in EVENT_GOALS:
-        found = [round(reached(kinds, column, key), 3) for column in columns]
-        missing = [column for column, value, goal in zip(columns, found, goals) if value < goal]
-        rows.append([name, ", ".join(columns), ", ".join(map(short, found)), ", ".join(map(short, goals)),
-                     ", ".join(missing)])
-    return table(["figure", "columns", "reached", "goal", "below the goal"], rows)
+        for column, goal in zip(columns, goals):
+            value = round(reached(kinds, column, key), 3)
+            if value < goal:
+                missed.append(f"{name}, {column} {short(value)} (goal {short(goal)})")
+    count = sum(len(goals) for *_, goals in EVENT_GOALS)
+    listed = ": " + "; ".join(missed) if missed else ""
+    return f"{len(missed)} of {count} goals are missed with observers left out (hmr: set left out){listed}."
 
 
 def trained_events(args):
@@ -187,20 +174,15 @@ def trained_events(args):
 
     curve = [[stated, right("offline", stated), right("online", stated)] for stated in CURVE]
     return ("`foci_train_events` trains the detector `trained` without one data set, and labels that one: *set left out*. "
-            "It also leaves out a third of the observers, so that the set's other recordings are in the training. Cohen's "
-            "kappa of stable gaze offline, online, and offline at 60 and 120 Hz, mean over the coders; *coders* is their "
-            "agreement with each other.\n\n" +
+            "*Observers left out*: without a third of the set's observers. Cohen's kappa of stable gaze offline, online, and "
+            "offline at 60 and 120 Hz, mean over the coders; *coders* is their agreement with each other.\n\n" +
             kappas + "\n\n**F1 of events** (fixations, saccades, pursuit): two events agree if they "
             "share more than half of their union.\n\n" + scores + "\n\n**Confidence**: the probability of a label, and the "
             "share of such labels that are right on sets left out, with equal weight for each set. The curve from the trees' "
             "output to the probability is that of the other sets.\n\n" +
-            table(["probability", "right, offline", "right, online"], curve) +
-            "\n\n**Against the goals**, with observers left out (hmr: set left out). The goals are for recordings that "
-            "nobody has seen, so these figures are estimates of what is reached there.\n\n" + event_goals(json_) +
-            "\n\nWhat holds the figures below their goals back: in videos of outdoor scenes (gazecom), a fixation that drifts "
-            "looks like slow pursuit, and the features hold nothing of the scene. foci finds most pursuits of the coders, but "
-            "most pursuits that it finds are not theirs, and each splits a fixation. At 120 Hz a small saccade has two or "
-            "three samples: dots and videos lose most against the full rate.")
+            table(["probability", "right, offline", "right, online"], curve) + "\n\n" + event_goals(json_) +
+            " In videos of outdoor scenes (gazecom), a fixation that drifts looks like slow pursuit: most pursuits that foci "
+            "finds are not the coders'. At 120 Hz a small saccade has two or three samples.")
 
 
 def event_rules(args):
@@ -208,23 +190,14 @@ def event_rules(args):
         return None
     data = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(args.labelled[0]))))
     program = os.path.join(args.build, "foci_event_rules")
-    kappas, chosen, held_out = run(program, data).strip().split("\n\n")
-    names, *lines = [line.split() for line in chosen.splitlines()]
-    names = names[3:]  # after "rules chosen without"
-    counts = [collections.Counter(line[-len(names) + i] for line in lines) for i in range(len(names))]
-    same = [f"`{name}` {value}" for name, count in zip(names, counts) for value in count if len(count) == 1]
-    varied = [f"`{name}` " + ", ".join(f"{value} ({n}x)" for value, n in count.most_common())
-              for name, count in zip(names, counts) if len(count) > 1]
+    kappas, _, held_out = run(program, data).strip().split("\n\n")
     rows = [line.rsplit(None, 9) for line in kappas.splitlines()[2:] + held_out.splitlines()]
     return ("`foci_event_rules` chooses the constants of `EventRules` on all labelled recordings but one, and labels that one. "
             "The rows *held out* pool these labels: Cohen's kappa, mean over the coders. The search begins at the defaults, "
-            "which were chosen on the same recordings, so these rows are upper bounds. Pursuit lasts for seconds, so a few long "
-            "intervals decide its kappa: expect the held-out figure.\n\n" +
+            "which were chosen on the same recordings, so these rows are upper bounds. A few long intervals decide the kappa of "
+            "pursuit: expect the held-out figure.\n\n" +
             table(["", *(f"{what}: {kind}" for what in ("stable", "saccades") for kind in ("images", "dots", "video", "irf")),
-                   "pursuit: all"], [[cell.strip() for cell in row] for row in rows]) +
-            f"\n\nConstants that differ between the {len(lines)} searches, with their counts: " + "; ".join(varied) +
-            ". Equal in all: " + ", ".join(same) + ". The default of `wide_noise` stays at 4.5, because 3.5 finds too many saccades "
-            "in simulated noise of 1 degree. `noise_errors` is fixed at three standard errors.")
+                   "pursuit: all"], [[cell.strip() for cell in row] for row in rows]))
 
 
 def live(args):
@@ -276,9 +249,8 @@ def chart(args):
     rows = rows_of(os.path.join(folder, "chart.csv"))
     threads = max(int(row["threads"]) for row in rows)
     text = [f"`foci chart` at the largest blur of each scene: ms per frame at {threads} threads, PSNR in dB, and in JND the "
-            "visible error (of `auto`, also its prediction). An empty cell lies behind the frontier: another method is both "
-            "faster and closer. Beside the scene stands the PSNR to which its reference is known. `chart.csv` has all methods, "
-            "and smaller blur; [methods.md](methods.md#chart-time-against-accuracy) explains the figures."]
+            "visible error (of `auto`, also its prediction). In an empty cell, another method is both faster and closer. Beside "
+            "the scene stands the PSNR to which its reference is known ([methods.md](methods.md#chart-time-against-accuracy))."]
     largest, cells, ms = {}, {}, {}
     for row in rows:
         largest[row["scene"]] = max(largest.get(row["scene"], 0.0), float(row["blur_px"]))
@@ -310,8 +282,8 @@ def stability(args):
             scene["values"].append(row["value"])
         bold = "" if row["good"] == "yes" else "**"
         scene["scores"].setdefault(row["method"], {})[row["value"]] = bold + short(row["score"]) + bold
-    text = ["`foci chart --stability`. Scores follow the dial's values from left to right; a bold score misses the wanted one. "
-            "[stability.md](stability.md) describes scenes, dials and scores."]
+    text = ["`foci chart --stability`. Scores follow the dial's values from left to right; a bold score misses the wanted one "
+            "([stability.md](stability.md))."]
     for observers, title in ((False, "Images"), (True, "Gaze")):
         chosen = {name: scene for name, scene in scenes.items() if name.startswith("gaze-") == observers}
         if not chosen:
@@ -341,9 +313,8 @@ def reproduce(args):
             cells.setdefault(place, {})["`" + row["method"] + "`"] = ", ".join(
                 short(row[name]) for name in ("kfragments", "points", "ms_median", "psnr_dB"))
     methods = list(next(iter(cells.values())))
-    return (f"`foci reproduce`, 512 x 512 px: thousands of fragments, points, ms at {threads} threads, and PSNR in dB. The "
-            "paper's own numbers are in [formulas.md](formulas.md#7-what-the-paper-measured); [reproduce.md](reproduce.md) "
-            "explains the figures.\n\n" +
+    return (f"`foci reproduce`, 512 x 512 px: thousands of fragments, points, ms at {threads} threads, and PSNR in dB "
+            "([reproduce.md](reproduce.md)).\n\n" +
             table(["scene, aperture, blur"] + methods, [[place] + [found.get(method, "") for method in methods]
                                                         for place, found in cells.items()]))
 
@@ -384,11 +355,10 @@ def eye(args):
         "without aberrations. Each time is the shortest of four alternating runs.",
         table(["pupil, mm", "focus, m", "without, ms", "with, ms", "ratio"], times),
         "**A rendered point of light against Fourier optics**, typical eye, `sweep:19` with diffraction, pixels of 1 arcmin. "
-        "The root mean square is a share of the peak: over a window of 65 arcmin, and over the pixels that hold at least 1 % "
-        "of the peak. The variances are those within the disc that holds all rays.",
+        "The root mean square is a share of the peak: over a window of 65 arcmin, and over the pixels of at least 1 % of the "
+        "peak. Errors of the variance are those within the disc that holds all rays.",
         table(["pupil and defocus", "RMS, window, %", "RMS, lit pixels, %", "variance along x, %", "along y, %"], images),
-        "**Against published measurements**, `foci validate`: of each figure, the condition that differs most. "
-        "`validation.tsv` has the others.",
+        "**Against published measurements**, `foci validate`: of each figure, the condition that differs most.",
         table(["figure", "condition", "published", "here", "unit"],
               [[name, one["condition"], short(one["expected"]), short(one["value"]), one["unit"]]
                for name, one in worst.items()])])
@@ -422,8 +392,8 @@ def webcam(args):
     degrees = [(key.removeprefix("degrees_").replace("_", " "), [float(value) for value in text.split()])
                for key, text in cases["DISABLED_DegreesOfHardFaces"].items() if key.startswith("degrees_")]
     return "\n\n".join([
-        "**Real faces**: photographs and a video of public repositories. The networks had proposed the marks of the irises, and "
-        "people checked them, so these counts are not independent. An iris is right within a quarter of its diameter.",
+        "**Real faces**: photographs and a video of public repositories. People checked marks that the networks had proposed, so "
+        "the counts are not independent. An iris is right within a quarter of its diameter.",
         table(["", "photographs", "video"],
               [[title] + [of(kind, part, whole) for kind in ("photographs", "video")] for title, part, whole in (
                   ("largest face found", "found", "faces"), ("irises right", "right", "irises"),
@@ -433,23 +403,22 @@ def webcam(args):
                                                    for kind in ("photographs", "video")]]),
         "Time with networks, one face: " + "; ".join(ms) + ".",
         "The same portraits **moved about**, by up to half a face from frame to frame, with irises of 12 pixels: both irises are "
-        f"right in {short(moved['moved_both_right'])} % of the frames. The direction of one eye scatters by "
+        f"right in {short(moved['moved_both_right'])} % of the frames. One eye's direction scatters by "
         f"{short(moved['moved_scatter_across_deg'], 2)} degrees across and {short(moved['moved_scatter_down_deg'], 2)} down.",
         "**Confidence** against the share of right irises, on the portraits made smaller, darker, blurred, noisy or partly "
-        "covered. The curve for each file was fitted to the other files. foci reports irises from a confidence of about 0.8.",
+        "covered. The curve for each file was fitted to the other files.",
         table(["confidence", "share right", "irises"],
               [[short(confidence, 2), short(right, 2), count] for confidence, right, count in
                (judged[key].split() for key in sorted(judged) if re.match(r"confidence_\d", key))]),
         "**Rendered faces as hard as real ones** (`tests/faces`): lashes, shaded corners, narrow lids and uneven light in all of "
-        "them, and one difficulty more. Irises right, wrong and in all.",
+        "them, and one difficulty more. Irises right, wrong, all.",
         table(["difficulty", "without networks", "with networks"],
-              [[key.removeprefix("hard_").replace("_", " ")] + [f"{right} / {wrong} / {count}" for right, wrong, count in
+              [[key.removeprefix("hard_").replace("_", " ")] + [f"{right}, {wrong}, {count}" for right, wrong, count in
                                                                 (case[key].split() for case in (cascades, networks))]
-               for key in hard] + [["all"] + [" / ".join(str(n) for n in total[i:i + 3]) for i in (0, 3)]]),
+               for key in hard] + [["all"] + [", ".join(str(n) for n in total[i:i + 3]) for i in (0, 3)]]),
         "**Gaze in degrees**, on films of two of these rendered people, by `foci calibrate gaze --source webcam:FILM --pairs FIT "
-        "--validate OTHER --screen SCREEN --json`: nine targets to fit, mean error on four others, across and down. Beside it stand "
-        "the same map on the true irises, and the middle of the calibrated targets as a guess. The errors are those of rendered "
-        "faces: recordings of real faces with known gaze were not to be had.",
+        "--validate OTHER --screen SCREEN --json`: nine targets to fit, mean error on four others, across and down. Beside it are "
+        "the same map on the true irises, and the middle of the targets as a guess. No recordings of real faces with known gaze were to be had.",
         table(["condition", "gaze found, %", "error", "on true irises", "middle as guess"],
               [[name, short(100 * values[0])] + [f"{values[i]:.1f}, {values[i + 1]:.1f}" for i in (1, 3, 5)]
                for name, values in degrees])])
@@ -503,7 +472,7 @@ def large(args):
         text = open(next(path for path in limits if os.path.exists(path)), encoding="utf-8").read()
         limit = f"in a memory cgroup limited to {int(text) / 2**30:.3g} GiB, pages of the file included"
     text = (f"A landscape of `foci_large_scene`, {os.path.getsize(args.large) / 1e9:.1f} GB, 1920 x 1080 px, method `auto` at "
-            f"full quality on the CPU, {limit}. Times of whole runs of `foci render`: cold, with none of the file in memory, and "
+            f"full quality on the CPU, {limit}. Times of whole runs of `foci render`: cold (none of the file in memory), and "
             "again. Peak of resident memory, with the pages of the mapped file.")
     later = (f"Later frames of the last view, where the eye moves forwards by 1 m/s (`foci replay`): median "
              f"{times[len(times) // 2] / 1000:.2f} s, {gigabytes:.2g} GB.")
@@ -529,13 +498,12 @@ def python(args):
     script = os.path.join(ROOT, "tests", "python", "times.py")
     measured = json.loads(subprocess.run(["/usr/bin/python3", script], check=True, stdout=subprocess.PIPE, text=True,
                                          env=environment).stdout)
-    return "\n\n".join([
-        "1,000 samples at 1000 Hz pushed into a session, and 1,000 states read, on a plane of 3,721 surfels: shortest of 60 "
-        "runs. `render`: what Python adds to the C++ call at 1280 x 720 px, median.",
-        table(["calls", "ms"], [[name, short(ms, 2)] for name, ms in measured.items()])])
+    return ("1,000 samples at 1000 Hz pushed into a session, and 1,000 states read, on a plane of 3,721 surfels: shortest of "
+            "60 runs, ms. `render`: what Python adds to the C++ call, median. " +
+            "; ".join(f"{name}: {short(ms, 2)}" for name, ms in measured.items()) + ".")
 
 
-TITLES = {"bench": "Benchmarks", "events": "Event detection",
+TITLES = {"bench": "Benchmarks",
           "trained_events": "Trained event detection on recordings that it has not seen",
           "event_rules": "Event detection on recordings that its constants have not seen", "live": "Live", "chart": "Time against accuracy",
           "stability": "Stability", "reproduce": "The paper's Table 1",
@@ -590,8 +558,7 @@ def main():
     with open(PAGE, "w", encoding="utf-8") as page:
         page.write("# Results\n\n`docs/results.py` measures foci and writes this page: do not edit it.\n"
                    "The section on Gaussian scenes is measured by hand, and so are the figures of [batch.md](batch.md).\n"
-                   "Each section begins with date, commit, machine and its load at the start. Times vary between runs; "
-                   "compare ratios.\n")
+                   "Times vary between runs; compare ratios.\n")
         for name in SECTIONS:
             text = texts.get(name, f"## {TITLES[name]}\n\nNot measured yet: `python3 docs/results.py --only {name}`.")
             page.write(f"\n<!-- section {name} -->\n{text}\n")

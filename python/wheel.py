@@ -3,7 +3,7 @@
     cmake --preset wheel && cmake --build --preset wheel --target foci foci_python
     python3 python/wheel.py [FOLDER]       # build/wheel is the default
 
-With -DFOCI_PYTHON_HEADERS=... it is a wheel for several Pythons (docs/python.md). It needs the packages patchelf and
+With -DFOCI_PYTHON_HEADERS=... it is a wheel for several Pythons (CONTRIBUTING.md). It needs the packages patchelf and
 binutils. The libraries are Debian's and find their neighbours by $ORIGIN. The wheel states their licences.
 """
 

@@ -167,13 +167,14 @@ std::string studyKeysMarkdown() {
     if (in != section) {
       finish();
       text += in.empty() ? "\n## Above the first section\n" : "\n## [" + in + "]\n";
-      text += "\n| key | what | allowed | default |\n|---|---|---|---|\n";
+      text += "\n| key | what | allowed (default) |\n|---|---|---|\n";
       section = in;
     }
     const bool absent = key.json == "null" || key.json == "[]" || key.json == "\"\"";
     std::string rest = " | " + std::string(key.meaning) + " |";  // without empty cells at the end
-    if (!key.allowed.empty() || !absent) rest += " " + key.allowed + " |";
-    if (!absent) rest += " `" + tomlOf(Json::parse(key.json)) + "` |";
+    if (!key.allowed.empty()) rest += " " + key.allowed;
+    if (!absent) rest += " (`" + tomlOf(Json::parse(key.json)) + "`)";
+    if (!key.allowed.empty() || !absent) rest += " |";
     rest += "\n";
     const auto same =
         std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.second == rest; });

@@ -17,7 +17,7 @@ namespace foci {
 /// Lengths of the windows. The shortest resolves a saccade's edge, the longest holds a fixation.
 inline constexpr std::array<double, 6> kScale_s = {0.008, 0.016, 0.032, 0.064, 0.128, 0.256};
 
-/// docs/events.md lists them with unit and formula.
+/// models/README.md lists them with unit and formula.
 inline constexpr std::size_t kGazeFeatures = 74;
 using GazeFeatureVector = std::array<float, kGazeFeatures>;
 

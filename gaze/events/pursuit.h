@@ -76,7 +76,7 @@ class StableGaze : public DriftLine {
   double evidence(double noise_deg, const EventRules& rules) const;
 };
 
-/// docs/events.md lists them with unit and formula.
+/// models/README.md lists them with unit and formula.
 inline constexpr std::size_t kPursuitFeatures = 33;
 using PursuitFeatureVector = std::array<float, kPursuitFeatures>;
 

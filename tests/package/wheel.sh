@@ -6,7 +6,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 release=${1:-bookworm}
 bare=${2:-build/bare-python-$release}
-wheel=$(ls build/wheel/foci-*.whl) || { echo "first: python3 python/wheel.py (docs/python.md)" >&2; exit 2; }
+wheel=$(ls build/wheel/foci-*.whl) || { echo "first: python3 python/wheel.py (CONTRIBUTING.md)" >&2; exit 2; }
 [ -x "$bare/usr/bin/apt-get" ] || debootstrap --variant=minbase "$release" "$bare" http://deb.debian.org/debian
 rm -rf "$bare/tmp/foci" && mkdir "$bare/tmp/foci"
 cp "$wheel" configs/demo.toml "$bare/tmp/foci"

@@ -17,7 +17,7 @@ namespace {
 
 /// Chosen by eye, for a minute's run.
 constexpr ReproduceEffort kQuick{
-    .runs = 3, .accumulate_runs = 1, .min_views = 64, .max_views = 64, .figure1_views = 32};
+    .runs = 1, .accumulate_runs = 1, .min_views = 32, .max_views = 32, .figure1_views = 16};
 constexpr std::size_t kSearchFrames = 10;  // about the frames that the search for apertures renders
 constexpr std::size_t kManySurfels = 10'000'000;
 constexpr const char *kTable = "table1.csv", *kPage = "reproduce.html", *kFigure1 = "figure1.png";

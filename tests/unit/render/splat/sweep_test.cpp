@@ -42,8 +42,8 @@ Frame render(const SurfelCloud& cloud, const View& view, const RenderSettings& s
 }
 
 /// A square sheet facing the eye at `z_m`, `n` x `n` surfels over `size_m`.
-void addSheet(SurfelCloud& cloud, float z_m, float size_m, int n, const glm::vec3& color,
-              float opacity = 1.0f, float left_m = 0.0f) {
+void addSquareSheet(SurfelCloud& cloud, float z_m, float size_m, int n, const glm::vec3& color,
+                    float opacity = 1.0f, float left_m = 0.0f) {
   const float h_m = size_m / static_cast<float>(n);
   for (int y = 0; y < n; ++y) {
     for (int x = 0; x < n; ++x) {
@@ -78,7 +78,7 @@ struct Moments {
   double mass = 0.0, variance_x = 0.0, variance_y = 0.0;
 };
 
-Moments momentsOf(const Frame& frame) {
+Moments momentsOfRed(const Frame& frame) {
   Moments m;
   double x = 0.0, y = 0.0;
   const auto sum = [&](auto&& value) {
@@ -107,7 +107,7 @@ Moments pointOfLight(const RenderSettings& settings) {
                  {static_cast<float>(place % 4) / 4 / kFocal_px,
                   static_cast<float>(place / 4) / 4 / kFocal_px, -1.0f},
                  {0.0f, 0.0f, 1.0f}, kSigma_m, kArea_m2, glm::vec3(1.0f));
-    const Moments m = momentsOf(render(cloud, squareView(301, kFocal_px), settings));
+    const Moments m = momentsOfRed(render(cloud, squareView(301, kFocal_px), settings));
     mean.mass += m.mass / 16.0;
     mean.variance_x += m.variance_x / 16.0;
     mean.variance_y += m.variance_y / 16.0;
@@ -146,21 +146,21 @@ TEST(Sweep, DistanceCountsAlongTheSightForTheEyeAndAlongTheAxisForACamera) {
   view.principal_px.x -= 100.0f;
   RenderSettings settings = blurred(20.0f, 1.0f);
   settings.defocus.along = DistanceAlong::axis;
-  EXPECT_LT(momentsOf(render(cloud, view, settings)).variance_x, 1.2);
+  EXPECT_LT(momentsOfRed(render(cloud, view, settings)).variance_x, 1.2);
   settings.defocus.along = DistanceAlong::sight;
   const double radius_px = 20.0 * (1.0 - 1.0 / std::sqrt(2.0));
   double variance = 0.0;
   for (int place = 0; place < 16; ++place) {
     View moved = view;
     moved.principal_px += glm::vec2(place % 4, place / 4) / 4.0f;
-    variance += momentsOf(render(cloud, moved, settings)).variance_y / 16.0;
+    variance += momentsOfRed(render(cloud, moved, settings)).variance_y / 16.0;
   }
   EXPECT_NEAR(variance, 1.0 + kDiscVariancePerRadius2 * radius_px * radius_px, 0.3);
 }
 
 TEST(Sweep, ConstantSheetStaysConstantAtAnyBlur) {
   SurfelCloud cloud;
-  addSheet(cloud, -1.0f, 0.4f, 160, {0.2f, 0.5f, 0.8f});  // a surfel every 1.5 px
+  addSquareSheet(cloud, -1.0f, 0.4f, 160, {0.2f, 0.5f, 0.8f});  // a surfel every 1.5 px
   for (float radius_px : {0.0f, 2.0f, 12.0f}) {
     const Frame frame = render(cloud, squareView(96, 600.0f), blurred(radius_px, 0.0f));
     for (int y = 16; y < 80; ++y) {
@@ -174,7 +174,8 @@ TEST(Sweep, ConstantSheetStaysConstantAtAnyBlur) {
 
 TEST(Sweep, EdgeOfABlurredHalfPlaneCoversHalf) {
   SurfelCloud cloud;
-  addSheet(cloud, -1.0f, 0.4f, 200, glm::vec3(1.0f), 1.0f, -0.2f);  // its right edge on the axis
+  addSquareSheet(cloud, -1.0f, 0.4f, 200, glm::vec3(1.0f), 1.0f,
+                 -0.2f);  // its right edge on the axis
   const Frame frame = render(cloud, squareView(120, 600.0f), blurred(10.0f, 0.0f));
   EXPECT_NEAR(0.5f * (frame.at(59, 60).a + frame.at(60, 60).a), 0.5f, 0.01f);
   // By symmetry the coverage right of the edge equals the gap left of it.
@@ -184,8 +185,8 @@ TEST(Sweep, EdgeOfABlurredHalfPlaneCoversHalf) {
 
 TEST(Sweep, NearSheetHidesTheFarOne) {
   SurfelCloud cloud;
-  addSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f});
-  addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
+  addSquareSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f});
+  addSquareSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
   const Frame frame = render(cloud, squareView(64, 600.0f), sharp());
   EXPECT_GT(frame.at(32, 32).r, 0.98f);
   EXPECT_LT(frame.at(32, 32).g, 0.02f);
@@ -193,11 +194,11 @@ TEST(Sweep, NearSheetHidesTheFarOne) {
 
 TEST(Sweep, RendersNothingBehindAnOpaqueSheet) {
   SurfelCloud cloud;
-  addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
+  addSquareSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
   const View view = squareView(64, 600.0f);
   RenderStats alone, hiding;
   const Frame near_only = render(cloud, view, sharp(), &alone);
-  addSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f});
+  addSquareSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f});
   const Frame both = render(cloud, view, sharp(), &hiding);
   EXPECT_GT(hiding.splats, 3 * alone.splats / 2);
   EXPECT_EQ(hiding.fragments, alone.fragments);
@@ -209,9 +210,9 @@ TEST(Sweep, RendersNothingBehindAnOpaqueSheet) {
 
 TEST(Sweep, TransparentSheetsCompositeFrontToBack) {
   SurfelCloud cloud;
-  addSheet(cloud, -3.0f, 1.5f, 250, {0.0f, 0.0f, 1.0f});
-  addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f}, 0.5f);
-  addSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f}, 0.25f);
+  addSquareSheet(cloud, -3.0f, 1.5f, 250, {0.0f, 0.0f, 1.0f});
+  addSquareSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f}, 0.5f);
+  addSquareSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f}, 0.25f);
   for (float radius_px : {0.0f, 3.0f}) {
     const Frame frame = render(cloud, squareView(64, 600.0f), blurred(radius_px, 0.0f));
     EXPECT_NEAR(frame.at(32, 32).r, 0.5f, 0.02f);
@@ -225,7 +226,7 @@ TEST(Sweep, TransparentSheetsCompositeFrontToBack) {
 // so that the splats beyond the first 1.01 would show.
 TEST(Sweep, GlassChangesNothingInOtherTiles) {
   SurfelCloud opaque;
-  addSheet(opaque, -3.0f, 1.5f, 250, glm::vec3(1.0f));
+  addSquareSheet(opaque, -3.0f, 1.5f, 250, glm::vec3(1.0f));
   std::mt19937 random(3);
   for (std::size_t i = 0; i < opaque.size(); ++i) {
     opaque.color[i] = glm::vec3(static_cast<float>(random() & 255) / 255.0f);
@@ -253,7 +254,7 @@ TEST(Sweep, GlassChangesNothingInOtherTiles) {
 
 TEST(Sweep, BackgroundShowsWhereNothingCoversIt) {
   SurfelCloud cloud;
-  addSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f), 0.3f);
+  addSquareSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f), 0.3f);
   RenderSettings settings = sharp();
   settings.background = {0.0f, 0.0f, 2.0f};
   const Frame frame = render(cloud, squareView(64, 600.0f), settings);
@@ -328,7 +329,7 @@ TEST(Sweep, SheetsWhoseOutlinesMeetShowNothingBetween) {
 
 TEST(Sweep, DepthIsTheDistanceAlongTheSight) {
   SurfelCloud cloud;
-  addSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f));
+  addSquareSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f));
   RenderSettings settings = sharp();
   settings.depth = true;
   const Frame frame = render(cloud, squareView(65, 600.0f), settings);
@@ -450,9 +451,9 @@ TEST(Sweep, ShadingFallsOffWithTheCosine) {
   appendSurfel(cloud, {0, 0, -1}, glm::normalize(glm::vec3(0.0f, 1.0f, 1.0f)), 0.01f, 1e-4f,
                glm::vec3(1.0f));
   RenderSettings settings = sharp();
-  const double plain = momentsOf(render(cloud, squareView(64, 300.0f), settings)).mass;
+  const double plain = momentsOfRed(render(cloud, squareView(64, 300.0f), settings)).mass;
   settings.shading = 1.0f;
-  const double shaded = momentsOf(render(cloud, squareView(64, 300.0f), settings)).mass;
+  const double shaded = momentsOfRed(render(cloud, squareView(64, 300.0f), settings)).mass;
   EXPECT_NEAR(shaded / plain, std::sqrt(0.5), 1e-3);
 }
 
