@@ -125,20 +125,20 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.record.empty()) live.record = options.record;
   StudyAsked asked = studyOf(options);
-  const OutputGuard guard({options.write_study}, inputFiles(asked.study), options.overwrite);
-  if (live.record) {
-    static_cast<void>(studyToml(asked.study));  // the record has it
-    makeRecordFolder(*live.record);
-  }
   if (live.headset && !asked.study.eye.path.empty()) {
     throw InputError("--headset",
                      "the head moves the eye: expected eye.position_m and eye.look_at_m, where the "
                      "observer stands, instead of eye.path");
   }
+  const OutputGuard guard({options.write_study}, inputFiles(asked.study), options.overwrite);
+  if (live.record) {
+    static_cast<void>(studyToml(asked.study));  // the record has it
+    makeRecordFolder(*live.record);
+  }
   saveStudy(options, asked, guard);
   Study study = asked.study;
   study.output.maps.clear();  // a replay of the record writes them
-  if (!study.quality.frame_ms) study.quality.frame_ms = kLiveFrame_ms;
+  if (!study.quality.frame_ms && !live.headset) study.quality.frame_ms = kLiveFrame_ms;
   if (study.eye.path.empty() && !study.eye.position_m) {
     // The observer moves from the scene's own eye pose.
     const EyePose pose = builtinPose(study);
@@ -178,7 +178,8 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
   command
       ->add_flag("--headset", options->live.headset,
                  "a headset by OpenXR shows both eyes, and its eye tracker is the gaze; a window "
-                 "shows what the left eye sees")
+                 "shows what the left eye sees. --size is that of both eyes side by side; the "
+                 "headset recommends one. A late frame repeats the last one, at its own pose")
       ->excludes(source);
   command->add_flag("--window", options->live.window, "a window instead of the full screen");
   command

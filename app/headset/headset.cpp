@@ -353,6 +353,7 @@ Headset::Headset(std::unique_ptr<GpuContext> context, const std::string& loader)
   parts.openSystem(facts_);
   parts.openSession(context_->native());
   if (const std::string problem = parts.openGaze(); !problem.empty()) facts_.no_gaze = problem;
+  facts_.asks_gaze = parts.gaze != XR_NULL_HANDLE;
   std::optional<HeadsetEyes> eyes;
   for (const double begin_s = steadyNow_s(); !eyes;) {
     if (ended_ || steadyNow_s() > begin_s + kStart_s) {
@@ -362,6 +363,7 @@ Headset::Headset(std::unique_ptr<GpuContext> context, const std::string& loader)
     }
     if (!waitFrame()) continue;
     eyes = parts.eyesAt(parts.frame.predictedDisplayTime);
+    facts_.period_s = 1e-9 * static_cast<double>(parts.frame.predictedDisplayPeriod);
     submit(nullptr);
   }
   facts_.eyes = *eyes;

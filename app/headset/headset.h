@@ -20,9 +20,11 @@ namespace foci {
 
 struct HeadsetFacts {
   std::string runtime, headset;
-  std::string no_gaze{};  ///< why there is no gaze; empty: there is
-  glm::ivec2 eye_px{0};   ///< image of one eye that the runtime recommends; even numbers
+  std::string no_gaze{};   ///< why there is no gaze; empty: there is
+  bool asks_gaze = false;  ///< `Headset::gaze` asks for it; runtimes have denied trackers they had
+  glm::ivec2 eye_px{0};    ///< image of one eye that the runtime recommends; even numbers
   HeadsetEyes eyes{};
+  double period_s = 0.0;  ///< of its frames, at first
 };
 
 /// The frame that the runtime asks for.

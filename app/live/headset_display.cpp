@@ -14,6 +14,7 @@ namespace foci {
 namespace {
 
 constexpr double kGaze_Hz = 120.0;  // of the trackers in headsets; runtimes do not state it
+constexpr double kBudget = 0.8;     // of a frame's period, for rendering; chosen by hand
 constexpr double kLook_s = 1.0;     // between looks at where the displays are
 constexpr double kMoved_m = 1e-4;   // of a display, which is taken for a turn of the wheel
 
@@ -24,8 +25,8 @@ glm::dvec4 degreesOf(const EyeField& field) {
 
 }  // namespace
 
-HeadInScene::HeadInScene(const Study& study)
-    : eye_m_(study.eye.position_m.value_or(glm::dvec3(0.0))) {
+void HeadInScene::stand(const Study& study) {
+  eye_m_ = study.eye.position_m.value_or(glm::dvec3(0.0));
   const glm::dvec3 up = glm::normalize(study.eye.up);
   const glm::dvec3 sight = study.eye.look_at_m.value_or(glm::dvec3(0.0, 0.0, -1.0)) - eye_m_;
   glm::dvec3 back = -(sight - glm::dot(sight, up) * up);
@@ -58,7 +59,6 @@ class HeadsetSource final : public LiveSource {
       last_s_ = now_s;
       samples.push_back({.time_s = now_s,
                          .point_px = pointOnScreen_px(screen_, glm::dvec3(0.0, 0.0, -1.0)),
-                         .queried = true,
                          .head = display_.headNext().in_scene});
     }
     if (!gaze) return;
@@ -71,7 +71,7 @@ class HeadsetSource final : public LiveSource {
     if (time_s <= last_s_ || (same && time_s < last_s_ + least_s)) return;
     last_s_ = time_s;
     last_direction_ = gaze->direction;
-    own_time_ = gaze->own_time;
+    if (gaze->direction) own_time_ = gaze->own_time;
     GazeSample sample{.time_s = time_s,
                       .inferred = gaze->degraded,
                       .queried = !gaze->own_time,
@@ -127,6 +127,7 @@ Study HeadsetDisplay::studyHere(Study study) const {
   study.output.view = StereoView::side_by_side;
   if (!study.output.size_px) study.output.size_px = facts().eye_px * glm::ivec2(2, 1);
   study.screen.gamma.reset();  // runtimes take sRGB
+  if (!study.quality.frame_ms) study.quality.frame_ms = 1e3 * kBudget * facts().period_s;
   return study;
 }
 
@@ -135,8 +136,7 @@ NamedSource HeadsetDisplay::gaze(const Study& study, const Screen& screen) {
   NamedSource named{.source = std::make_unique<HeadsetSource>(*this, screen, from_head),
                     .screen = screen};
   if (const std::string& problem = facts().no_gaze; !problem.empty() && !from_head) {
-    // SteamVR has said so of headsets with a tracker: foci tries.
-    if (!problem.ends_with("has no eye tracker")) {
+    if (!facts().asks_gaze) {
       throw InputError("--headset", problem +
                                         ": expected a headset with an eye tracker, or "
                                         "--set gaze.from_head=true, the head's direction");
@@ -159,9 +159,10 @@ std::optional<HeadsetGaze> HeadsetDisplay::gazeInScene() const {
   return gaze;
 }
 
-LiveHead HeadsetDisplay::headNext() {
+LiveHead HeadsetDisplay::headNext(const Study* moved) {
   const auto now = headset_->headNext();
   const std::lock_guard lock(mutex_);
+  if (moved) in_scene_.stand(*moved);
   if (now || !last_head_) {
     const HeadNow head = now.value_or(HeadNow{});
     last_head_ = {.in_scene = in_scene_.inScene(head.head), .in_room = head.head};
@@ -192,6 +193,10 @@ void HeadsetDisplay::run(const std::stop_token& stop) {
     while (!stop.stop_requested() && !headset_->ended()) {
       const auto tick = headset_->waitFrame();
       if (!tick) continue;
+      // The runtime skips periods if a frame came late: its display repeats the last one.
+      const double skipped = std::round((tick->display_s - last_display_s_) / tick->period_s) - 1.0;
+      if (last_display_s_ > 0.0 && skipped > 0.0) repeats_ += static_cast<int>(skipped);
+      last_display_s_ = tick->display_s;
       followDisplays();
       show(*tick, tick->shows ? renderer_->take(clock_.now_s() + tick->period_s) : nullptr);
     }

@@ -24,15 +24,18 @@ class LiveRenderer;
 /// is at the study's eye, upright, and faces what the study looks at.
 class HeadInScene {
  public:
-  explicit HeadInScene(const Study& study);
+  explicit HeadInScene(const Study& study) { stand(study); }
+
+  /// The study's eye has moved.
+  void stand(const Study& study);
 
   /// @param head  in the room
   void centre(const HeadInWorld& head);
   HeadInWorld inScene(const HeadInWorld& head) const;
 
  private:
-  glm::dvec3 eye_m_;
-  glm::dquat scene_from_facing_;  // of a head that looks along -z, y up
+  glm::dvec3 eye_m_{0.0};
+  glm::dquat scene_from_facing_{1.0, 0.0, 0.0, 0.0};  // of a head that looks along -z, y up
   glm::dvec3 centre_m_{0.0};
   glm::dquat facing_from_room_{1.0, 0.0, 0.0, 0.0};
 };
@@ -64,7 +67,8 @@ class HeadsetDisplay {
   NamedSource gaze(const Study& study, const Screen& screen);
 
   /// The head in the next frame; the last one while it is not tracked.
-  LiveHead headNext();
+  /// @param moved  the study, whose eye may have moved; null: it has not
+  LiveHead headNext(const Study* moved = nullptr);
 
   /// Shows the renderer's frames until `stop`.
   void start(LiveRenderer& renderer);
@@ -94,7 +98,7 @@ class HeadsetDisplay {
   LiveRenderer* renderer_ = nullptr;
   // Used by the thread alone.
   HeadsetEyes displays_{};
-  double looked_s_ = 0.0;
+  double looked_s_ = 0.0, last_display_s_ = 0.0;
   int repeats_ = 0;
 
   mutable std::mutex mutex_;

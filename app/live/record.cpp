@@ -131,7 +131,7 @@ void LiveRecord::add(const GazeSample& sample) {
     ++gaze_samples_;
     gaze_points_ += sample.point_px.has_value();
     inferred_ += sample.inferred;
-    queried_ += sample.queried;
+    queried_ += sample.queried && sample.point_px;
   });
 }
 

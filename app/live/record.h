@@ -29,7 +29,6 @@
 #include <thread>
 
 #include "app/graphics/image.h"
-#include "app/headset/headset.h"
 #include "app/platform/sha256.h"
 #include "app/platform/warnings.h"
 #include "app/record/later_image.h"

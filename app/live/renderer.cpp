@@ -13,6 +13,7 @@
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/view_remarks.h"
+#include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/lod/moment_tree.h"
@@ -52,7 +53,7 @@ std::string methodOfFrame(const Study& study, const FrameRecord& record) {
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
                            std::string command, unsigned threads, std::function<void()> ready,
                            std::optional<SceneFile> scene, std::future<SharedGpu> gpu,
-                           std::function<LiveHead()> head)
+                           std::function<LiveHead(const Study*)> head)
     : study_(study),
       feed_(feed),
       clock_(clock),
@@ -110,6 +111,9 @@ std::future<std::string> LiveRenderer::post(std::function<void()> action) {
 
 std::future<std::string> LiveRenderer::change(const std::string& key, const std::string& toml) {
   return post([this, key, toml] {
+    if (head_ && key == "output.view") {
+      throw InputError(key, "does not change in a headset, which shows both eyes");
+    }
     changeLive(study_, *session_, key, toml);
     if (key.starts_with("eye.")) noteView();
     if (const std::string remark = eyeRemark(study_); !remark.empty()) tell(remark);
@@ -375,7 +379,7 @@ GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
 
 /// The head's path begins anew: a replay of a record knows no earlier pose.
 HeadRow LiveRenderer::beginPath(double time_s) {
-  const HeadInWorld head = head_().in_scene;
+  const HeadInWorld head = head_(&study_).in_scene;
   study_.eye.recorded = EyePath(std::vector<TrackedPose>{
       {.position_m = head.position_m, .world_from_eye = head.world_from_head}});
   return {.time_s = time_s, .head = head};
@@ -383,7 +387,7 @@ HeadRow LiveRenderer::beginPath(double time_s) {
 
 /// Moves the eye to where the head is when the frame is shown.
 LiveHead LiveRenderer::followHead(double time_s) {
-  LiveHead head = head_();
+  LiveHead head = head_(&study_);
   head.displays = study_.headsetEyes();
   const auto& [position_m, world_from_head] = head.in_scene;
   study_.eye.recorded->add({.time_s = time_s - session_start_s_,

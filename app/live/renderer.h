@@ -50,10 +50,11 @@ class LiveRenderer {
   /// @param gpu      of the window, which shows textures; null: the window shows images. The thread
   ///                 waits for it once the scene is loaded
   /// `clock` and `feed` must outlive the renderer.
-  /// @param head     of the next frame in a headset, which moves the eye; none: the study moves it
+  /// @param head     of the next frame in a headset, which moves the eye from where the study
+  ///                 places it; none: the study moves it
   LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock, std::string command,
                unsigned threads, std::function<void()> ready, std::optional<SceneFile> scene = {},
-               std::future<SharedGpu> gpu = {}, std::function<LiveHead()> head = {});
+               std::future<SharedGpu> gpu = {}, std::function<LiveHead(const Study*)> head = {});
   ~LiveRenderer();
   LiveRenderer(const LiveRenderer&) = delete;
   LiveRenderer& operator=(const LiveRenderer&) = delete;
@@ -113,7 +114,7 @@ class LiveRenderer {
   std::string command_;
   unsigned threads_;
   std::function<void()> ready_;
-  std::function<LiveHead()> head_;
+  std::function<LiveHead(const Study*)> head_;
 
   // Used by the thread alone.
   Warnings warnings_;

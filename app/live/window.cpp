@@ -153,7 +153,7 @@ LiveWindow::LiveWindow(const Study& asked, const LiveOptions& options,
     openHeadset(study, wake);
   }
   screen_ = study.screenInForce();
-  if (study.eye.path.empty() && !headset_) {
+  if (study.eye.path.empty()) {
     pose_.emplace(*study.eye.position_m, *study.eye.look_at_m, study.eye.up);
   }
   controls_ = {.change = [this](const auto& name, const auto& toml) { change(name, toml); },
@@ -163,8 +163,8 @@ LiveWindow::LiveWindow(const Study& asked, const LiveOptions& options,
   feed_.emplace(headset_ ? headset_->gaze(study, screen_) : openLiveSource(options.source, study),
                 clock_);
   // The scene loads while the window opens.
-  std::function<LiveHead()> head;
-  if (headset_) head = [this] { return headset_->headNext(); };
+  std::function<LiveHead(const Study*)> head;
+  if (headset_) head = [this](const Study* moved) { return headset_->headNext(moved); };
   renderer_.emplace(study, *feed_, clock_, options.command, options.threads, wake, std::move(scene),
                     gpu_.get_future(), head);
   if (!window_) openWindow(study, options);
@@ -420,7 +420,8 @@ void LiveWindow::draw() {
   if (help_) drawHelp(help_);
   drawNotices(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);
   if (frame_ && state.study.output.sync_patch > 0) {
-    if (is_new_ && !headset_) frame_->timing.sync_level = static_cast<int>(summary_.frames % kSyncLevels);
+    if (is_new_ && !headset_)
+      frame_->timing.sync_level = static_cast<int>(summary_.frames % kSyncLevels);
     drawSyncPatch(state.study.output.sync_patch, frame_->timing.sync_level);
   }
   window_->end();
@@ -431,14 +432,16 @@ void LiveWindow::draw() {
 
 void LiveWindow::showFrame() {
   const glm::ivec2 size_px = window_->frameBufferSize_px();
+  const int views = headset_ ? 2 : 1;
   if (!frame_->texture) {
-    texture_->fill(size_px, headset_ ? 2 : 1);
+    texture_->fill(size_px, views);
     return;
   }
   GpuTexture& on_gpu = *frame_->texture;
-  texture_->fillFrom(on_gpu.beginShow(), on_gpu.size_px(), size_px, headset_ ? 2 : 1);
+  texture_->fillFrom(on_gpu.beginShow(), on_gpu.size_px(), size_px, views);
   on_gpu.endShow();
-  if (!headset_) drawGazeRings(frame_->markers_px, !isFixating(frame_->record), on_gpu.size_px());
+  drawGazeRings(frame_->markers_px, !isFixating(frame_->record),
+                on_gpu.size_px() / glm::ivec2(views, 1));
 }
 
 /// Counts the frame that has just been shown, and gives it to the record.

@@ -118,24 +118,24 @@ std::string headRow(const HeadRow& row) {
 }
 
 std::vector<HeadRow> readHeads(const std::filesystem::path& file) {
-  LineReader lines(file);
-  std::string_view line;
+  NamedTable table(file, "time_s, of, x_m to qw", /*may_be_cut=*/true);  // of a killed run
+  std::array<std::size_t, 9> columns{};
+  std::ranges::transform(std::array{"time_s", "of", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"},
+                         columns.begin(), [&](const char* name) { return table.column(name); });
+  std::array<double, 2> last_s{-1e12, -1e12};  // of frames, of samples
   std::vector<HeadRow> rows;
-  for (bool header = true; lines.next(line); header = false) {
-    if (header || line.empty()) continue;
-    const auto fields = fieldsOf(line);
-    if (fields.size() != 10) break;  // the record of a killed run may end within a line
-    std::array<double, 7> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const auto value = parseNumber(fields[i + 3]);
-      if (!value) throw lines.error("field " + shown(fields[i + 3]) + ": expected a number");
-      values.at(i) = *value;
+  while (table.next()) {
+    const bool of_sample = table.text(columns[1]) == "sample";
+    const double after_s = last_s.at(of_sample ? 1 : 0);
+    const double time_s = timeIn(table, table.text(columns[0]), std::nextafter(after_s, 1e12));
+    last_s.at(of_sample ? 1 : 0) = time_s;
+    const auto at = [&](std::size_t i) { return table.needed(columns.at(i)); };
+    const glm::dquat turn(at(8), at(5), at(6), at(7));
+    if (!(std::abs(glm::length(turn) - 1.0) < 1e-3)) {
+      throw table.error("qx, qy, qz, qw: expected a quaternion of length 1");
     }
-    const auto& [x, y, z, qx, qy, qz, qw] = values;
-    rows.push_back({.time_s = timeIn(lines, fields[0], -1e12),
-                    .of_sample = fields[1] == "sample",
-                    .inferred = fields[2] == "1",
-                    .head = {{x, y, z}, glm::dquat(qw, qx, qy, qz)}});
+    rows.push_back(
+        {.time_s = time_s, .of_sample = of_sample, .head = {{at(2), at(3), at(4)}, turn}});
   }
   return rows;
 }

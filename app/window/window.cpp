@@ -42,6 +42,9 @@ constexpr float kFont_px = 20.0f;
 class HiddenContext final : public GpuContext {
  public:
   explicit HiddenContext(GLFWwindow* window) : window_(window) {}
+  ~HiddenContext() override {
+    if (glfwGetCurrentContext() == window_) glfwMakeContextCurrent(before_);
+  }
   bool makeCurrent() override {
     before_ = glfwGetCurrentContext();
     glfwMakeContextCurrent(window_);

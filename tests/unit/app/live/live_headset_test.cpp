@@ -68,14 +68,17 @@ class LiveHeadset : public testing::Test {
   }
 
   /// Runs until the window has had this many frames. @return those frames
-  std::vector<std::shared_ptr<LiveFrame>> run(std::size_t count, const fs::path& record = {}) {
+  std::vector<std::shared_ptr<LiveFrame>> run(
+      std::size_t count, const fs::path& record = {},
+      const std::function<void(LiveRenderer&)>& midway = [](LiveRenderer&) {}) {
     std::vector<std::shared_ptr<LiveFrame>> all;
     const LiveClock clock;
     HeadsetDisplay display(study, softwareContext(), clock, [] {});
     const Study here = display.studyHere(study);
     GazeFeed feed(display.gaze(here, here.screenInForce()), clock);
     LiveRenderer renderer(
-        here, feed, clock, "foci live", 1, [] {}, {}, {}, [&] { return display.headNext(); });
+        here, feed, clock, "foci live", 1, [] {}, {}, {},
+        [&](const Study* moved) { return display.headNext(moved); });
     std::future<std::string> begun;
     if (!record.empty()) begun = renderer.startRecord(record);
     display.start(renderer);
@@ -84,6 +87,7 @@ class LiveHeadset : public testing::Test {
       for (auto& frame : display.takeShown()) {
         if (const auto file = frame->record_file.lock()) file->add(frame);
         all.push_back(std::move(frame));
+        if (all.size() == count / 2) midway(renderer);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
@@ -144,17 +148,30 @@ TEST_F(LiveHeadset, TenDegreesAreTenDegreesInEachEyeAndCodesStay) {
 }
 
 TEST_F(LiveHeadset, ARecordReplaysToTheSameFrames) {
-  const FakeOpenXr fake("real jumps");
+  const FakeOpenXr fake("real jumps late=7");
   scratch.write("scene.ply", squarePly({0.0, 0.0, -2.0}, 3.0, 40));
   stand({0.0, 0.0, 0.0}, kAhead);
   const fs::path folder = scratch.path() / "record";
-  const auto frames = run(40, folder);
+  std::string refused;
+  const auto frames = run(40, folder, [&](LiveRenderer& renderer) {
+    EXPECT_EQ(renderer.change("eye.position_m", "[0.5, 0.0, 0.0]").get(), "");
+    refused = renderer.change("output.view", "\"mono\"").get();
+  });
   ASSERT_GE(frames.size(), 40u) << fake.log();
   EXPECT_EQ(fake.log().find("VIOLATION"), std::string::npos) << fake.log();
+  EXPECT_NE(refused.find("does not change in a headset"), std::string::npos) << refused;
+  double last_s = 0.0;
   for (const auto& frame : frames) {
     ASSERT_TRUE(frame->timing.display_s && frame->timing.swap_s);
     EXPECT_GT(*frame->timing.display_s, frame->timing.render_start_s);
+    // Each period of the display shows this frame or repeats the last one.
+    const double periods = (*frame->timing.display_s - last_s) / fake_openxr::kPeriod_s;
+    if (last_s > 0.0) EXPECT_EQ(std::lround(periods), frame->timing.repeats + 1);
+    last_s = *frame->timing.display_s;
   }
+  // The head stays within 0.1 m of its centre.
+  EXPECT_NEAR(frames.front()->record.eye_m.x, 0.0, 0.2);
+  EXPECT_NEAR(frames.back()->record.eye_m.x, 0.5, 0.2);
   EXPECT_TRUE(frames.back()->record.gaze_px);
   EXPECT_NE(frames.front()->record.eye_m, frames.back()->record.eye_m);
 
