@@ -92,7 +92,9 @@ class LiveHeadset : public testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     display.stop();
-    if (begun.valid()) EXPECT_EQ(begun.get(), "");
+    if (begun.valid()) {
+      EXPECT_EQ(begun.get(), "");
+    }
     return all;
   }
 
@@ -166,7 +168,9 @@ TEST_F(LiveHeadset, ARecordReplaysToTheSameFrames) {
     EXPECT_GT(*frame->timing.display_s, frame->timing.render_start_s);
     // Each period of the display shows this frame or repeats the last one.
     const double periods = (*frame->timing.display_s - last_s) / fake_openxr::kPeriod_s;
-    if (last_s > 0.0) EXPECT_EQ(std::lround(periods), frame->timing.repeats + 1);
+    if (last_s > 0.0) {
+      EXPECT_EQ(std::lround(periods), frame->timing.repeats + 1);
+    }
     last_s = *frame->timing.display_s;
   }
   // The head stays within 0.1 m of its centre.
