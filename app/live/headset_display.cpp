@@ -135,6 +135,7 @@ NamedSource HeadsetDisplay::gaze(const Study& study, const Screen& screen) {
   const bool from_head = study.gaze.columns.space.from_head;
   NamedSource named{.source = std::make_unique<HeadsetSource>(*this, screen, from_head),
                     .screen = screen};
+  if (from_head) named.warnings.add("gaze is the direction of the head (gaze.from_head)");
   if (const std::string& problem = facts().no_gaze; !problem.empty() && !from_head) {
     if (!facts().asks_gaze) {
       throw InputError("--headset", problem +
@@ -232,6 +233,7 @@ void HeadsetDisplay::show(const HeadsetTick& tick, std::shared_ptr<LiveFrame> fr
   frame->timing.swap_s = clock_.now_s();
   frame->timing.display_s = onClock_s(tick.display_s);
   frame->timing.repeats = std::exchange(repeats_, 0);
+  if (!std::exchange(has_shown_, true)) frame->timing.repeats = 0;  // of no frame
   {
     const std::lock_guard lock(mutex_);
     frames_.push_back(std::move(frame));

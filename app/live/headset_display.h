@@ -100,6 +100,7 @@ class HeadsetDisplay {
   HeadsetEyes displays_{};
   double looked_s_ = 0.0, last_display_s_ = 0.0;
   int repeats_ = 0;
+  bool has_shown_ = false;
 
   mutable std::mutex mutex_;
   HeadInScene in_scene_;

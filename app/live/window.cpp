@@ -138,8 +138,9 @@ void LiveWindow::openHeadset(Study& study, const std::function<void()>& wake) {
   study = headset_->studyHere(std::move(study));
   const glm::dvec2 eye_px(headset_->facts().eye_px);
   window_->resize(glm::ivec2(kMirror_px / std::max(eye_px.x, eye_px.y) * eye_px));
-  say("headset " + headset_->facts().headset + ", by " + headset_->facts().runtime +
-      ": its gaze is one line of sight, without vergence and pupil");
+  const HeadsetFacts& facts = headset_->facts();
+  say("headset " + facts.headset + ", by " + facts.runtime +
+      (facts.asks_gaze ? ": its gaze is one line of sight, without vergence and pupil" : ""));
 }
 
 LiveWindow::LiveWindow(const Study& asked, const LiveOptions& options,
