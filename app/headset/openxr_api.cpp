@@ -29,6 +29,7 @@ std::vector<std::string> extensionsOf(PFN_xrEnumerateInstanceExtensionProperties
                                          xrOf<XrExtensionProperties>(XR_TYPE_EXTENSION_PROPERTIES));
   enumerate(nullptr, count, &count, all.data());
   std::vector<std::string> names;
+  names.reserve(count);
   for (const auto& each : all) names.emplace_back(each.extensionName);
   return names;
 }
