@@ -43,6 +43,10 @@ std::string liveSummaryJson(const LiveSummary& summary) {
       {"render_to_swap_ms_p95", summary.render_to_swap.quantile_ms(0.95)},
       {"render_ms_median", summary.render.quantile_ms(0.5)},
       {"render_ms_p95", summary.render.quantile_ms(0.95)}};
+  if (summary.sample_to_display.count() > 0) {
+    json["sample_to_display_ms_median"] = summary.sample_to_display.quantile_ms(0.5);
+    json["sample_to_display_ms_p95"] = summary.sample_to_display.quantile_ms(0.95);
+  }
   json.update(landingsJson(summary.landings));
   addReception(summary.reception, json["gaze"]);
   json["records"] = nlohmann::ordered_json::array();
@@ -64,7 +68,11 @@ std::string latencyText(const LiveSummary& summary) {
          line("tracker, from the sample to the start of rendering: ", summary.sample_to_render) +
          line("foci, rendering:                                    ", summary.render) +
          line("display, from there to the swap of the buffers:     ", summary.render_to_swap) +
-         line("all:                                                ", summary.sample_to_swap);
+         line("all:                                                ", summary.sample_to_swap) +
+         (summary.sample_to_display.count() == 0
+              ? ""
+              : line("headset, from the sample to the predicted display:  ",
+                     summary.sample_to_display));
 }
 
 std::string liveSummaryText(const LiveSummary& summary) {
@@ -77,6 +85,9 @@ std::string liveSummaryText(const LiveSummary& summary) {
            ? "no gaze reached the screen"
            : "gaze to screen " + medianText(summary.sample_to_swap)) +
       "\nrendering " + medianText(summary.render);
+  if (summary.sample_to_display.count() > 0) {
+    text += "\nage of the gaze when the headset shows it " + medianText(summary.sample_to_display);
+  }
   if (const Landings& landings = summary.landings; landings.count() > 0) {
     text +=
         "\nfull quality after " + std::to_string(landings.toFull().count()) + " of " +
@@ -114,6 +125,11 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.record.empty()) live.record = options.record;
   StudyAsked asked = studyOf(options);
+  if (live.headset && !asked.study.eye.path.empty()) {
+    throw InputError("--headset",
+                     "the head moves the eye: expected eye.position_m and eye.look_at_m, where the "
+                     "observer stands, instead of eye.path");
+  }
   const OutputGuard guard({options.write_study}, inputFiles(asked.study), options.overwrite);
   if (live.record) {
     static_cast<void>(studyToml(asked.study));  // the record has it
@@ -122,7 +138,7 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   saveStudy(options, asked, guard);
   Study study = asked.study;
   study.output.maps.clear();  // a replay of the record writes them
-  if (!study.quality.frame_ms) study.quality.frame_ms = kLiveFrame_ms;
+  if (!study.quality.frame_ms && !live.headset) study.quality.frame_ms = kLiveFrame_ms;
   if (study.eye.path.empty() && !study.eye.position_m) {
     // The observer moves from the scene's own eye pose.
     const EyePose pose = builtinPose(study);
@@ -152,11 +168,19 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
       "Show a scene in real time; its focus follows your gaze. Press ? for the keys.\n"
       "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
+  CLI::Option* source =
+      command
+          ->add_option(
+              "--source", options->live.source,
+              "gaze source: mouse, trace:FILE, pupil:HOST:PORT, lsl[:NAME], socket[:RATE] or "
+              "webcam[:N|FILE]")
+          ->type_name("NAME");
   command
-      ->add_option("--source", options->live.source,
-                   "gaze source: mouse, trace:FILE, pupil:HOST:PORT, lsl[:NAME], socket[:RATE] or "
-                   "webcam[:N|FILE]")
-      ->type_name("NAME");
+      ->add_flag("--headset", options->live.headset,
+                 "a headset by OpenXR shows both eyes, and its eye tracker is the gaze; a window "
+                 "shows what the left eye sees. --size is that of both eyes side by side; the "
+                 "headset recommends one. A late frame repeats the last one, at its own pose")
+      ->excludes(source);
   command->add_flag("--window", options->live.window, "a window instead of the full screen");
   command
       ->add_option("--monitor", options->live.monitor,

@@ -15,7 +15,8 @@ namespace foci {
 
 struct LiveOptions {
   std::string source = "mouse";
-  bool window = false;  ///< false: full screen
+  bool window = false;   ///< false: full screen
+  bool headset = false;  ///< shows both eyes there, and takes its gaze; the window shows one eye
   int monitor = 0;
   std::optional<std::filesystem::path> record;  ///< from the start, to this folder
   std::string socket;    ///< of remote control, as `RemoteSocket` takes it; empty: none
@@ -30,6 +31,7 @@ struct LiveSummary {
   double first_frame_s = 0.0;  ///< from the start of the program to the first buffer swap
   Durations sample_to_swap, render;
   Durations sample_to_render, render_to_swap;  ///< the other parts of sample_to_swap
+  Durations sample_to_display;  ///< of a headset: age of the gaze at the predicted display
   Landings landings;
   GazeReception reception;
   std::vector<std::filesystem::path> records;

@@ -39,7 +39,7 @@ constexpr HelpLine kHelp[] = {
     {"arrows", "move the eye by a step of the scene's size; with page up and down up and down"},
     {"right button", "turn the eye"},
     {"left button", "look at it and click: the map of a calibrated webcam learns"},
-    {"Home", "the eye back to where it began"},
+    {"Home", "the eye back to where it began; in a headset, where you are and look now"},
     {"R", "record: begin, end"},
     {"space", "an event marker in the record"},
     {"P", "save the image to a file"},

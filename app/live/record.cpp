@@ -26,6 +26,7 @@ Study studyOfRecord(Study study, double rate_Hz) {
   study.record.frames = "frames.tsv";
   study.record.changes = "changes.tsv";
   study.record.markers = "event_markers.tsv";
+  if (study.eye.recorded) study.record.head = "head.tsv";
   study.record.rate_Hz = rate_Hz;
   study.output.seconds.reset();
   study.remote = {};
@@ -59,7 +60,7 @@ void makeRecordFolder(const fs::path& folder) {
   requireFolderOrNothing(folder);
   std::error_code error;
   for (const char* name : {"study.toml", "gaze.tsv", "frames.tsv", "changes.tsv", "timing.tsv",
-                           "event_markers.tsv", "events.tsv", "manifest.json"}) {
+                           "event_markers.tsv", "head.tsv", "events.tsv", "manifest.json"}) {
     if (!fs::exists(fs::symlink_status(folder / name, error))) continue;
     throw InputError(folder.string(), std::string("has a ") + name +
                                           " already, as records have: expected another folder");
@@ -85,10 +86,14 @@ LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen&
       markers_(folder_ / "event_markers.tsv", std::ios::binary) {
   changes_ << changesHeader();
   timing_ << "frame\tsample_s\tstate_s\trender_start_s\trender_end_s\tswap_s\trepeats\tfull\t"
-             "landing_to_full_ms\tsync_level";
+             "landing_to_full_ms\tsync_level\tdisplay_s\tgaze_age_ms";
   for (const std::string_view stage : kGpuStages) timing_ << "\tgpu_" << stage << "_ms";
   timing_ << '\n';
   markers_ << "time_s\tmarker\n";
+  if (study_.record.head) {
+    head_.open(folder_ / "head.tsv", std::ios::binary);
+    head_ << headHeader();
+  }
   writeStudy(study_.output.fps);
   thread_ = std::thread([this] { run(); });
 }
@@ -125,11 +130,17 @@ void LiveRecord::add(const GazeSample& sample) {
     gaze_.add(sample);
     ++gaze_samples_;
     gaze_points_ += sample.point_px.has_value();
+    inferred_ += sample.inferred;
+    queried_ += sample.queried && sample.point_px;
   });
 }
 
 void LiveRecord::add(const Change& change) {
   post([this, change] { changes_ << changeRow(change); });
+}
+
+void LiveRecord::add(const HeadRow& row) {
+  post([this, row] { head_ << headRow(row); });
 }
 
 void LiveRecord::addMarker(double time_s, const std::string& text) {
@@ -218,7 +229,12 @@ void LiveRecord::write(const LiveFrame& frame) {
   const auto landed_ms =
       timing.swap_s ? landings_.add(frame.record, timing.in_full, *timing.swap_s) : std::nullopt;
   timing_ << orAbsent(landed_ms, 1) << '\t'
-          << (timing.swap_s ? std::to_string(timing.sync_level) : "n/a");
+          << (timing.swap_s ? std::to_string(timing.sync_level) : "n/a") << '\t'
+          << orAbsent(timing.display_s, 6) << '\t'
+          << orAbsent(timing.display_s && timing.sample_s
+                          ? std::optional(1e3 * (*timing.display_s - *timing.sample_s))
+                          : std::nullopt,
+                      1);
   for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
     const std::optional<GpuTimes>& gpu = frame.record.stats.gpu;
     timing_ << '\t' << (gpu ? decimal(gpu->stage_ms.at(stage), 3) : "n/a");
@@ -234,9 +250,9 @@ void LiveRecord::write(const LiveFrame& frame) {
     flushed_s_ = last_s_;
     gaze_.flush();
     frames_.flush();
-    for (std::ofstream* out : {&changes_, &timing_, &markers_}) out->flush();
+    for (std::ofstream* out : {&changes_, &timing_, &markers_, &head_}) out->flush();
   }
-  if (!changes_ || !timing_ || !markers_) {
+  if (!changes_ || !timing_ || !markers_ || !head_) {
     throw std::runtime_error(cannotWrite(folder_));
   }
   const std::lock_guard lock(mutex_);
@@ -247,6 +263,16 @@ void LiveRecord::finish() {
   gaze_.flush();
   frames_.finish();
   for (std::ofstream* out : {&changes_, &timing_, &markers_}) out->close();
+  if (study_.record.head) head_.close();
+  if (inferred_ > 0) {
+    warnings_.include({std::to_string(inferred_) + " of " + std::to_string(gaze_samples_) +
+                       " samples of gaze are inferred: the tracker did not see the eyes"});
+  }
+  if (queried_ > 0) {
+    warnings_.include({"the runtime does not state when gaze was measured: the times of " +
+                       std::to_string(queried_) + " of " + std::to_string(gaze_samples_) +
+                       " samples are those of the query"});
+  }
   writeStudy(meanRate_Hz(frame_count_, last_s_ - first_s_, study_.output.fps));
   // The rest is computed from the files, as a replay would.
   const Study study = readStudy(folder_ / "study.toml");
@@ -261,7 +287,11 @@ void LiveRecord::finish() {
                       .inputs = {},
                       .frames_sha256 = {}};
   if (gaze_points_ > 0) {
-    const GazeTrace trace = loadGaze(study, warnings_);
+    GazeTrace trace = loadGaze(study, warnings_);
+    if (study.record.head) {
+      giveHeads(readHeads(*study.record.head), trace.samples);
+      trace.screen = study.screenInForce();
+    }
     RunEvents judged =
         eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
     for (const std::string& warning : judged.warnings) {

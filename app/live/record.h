@@ -7,6 +7,7 @@
 //   changes.tsv        keys that changed, each with the time of the first frame with its new value
 //   timing.tsv         when each frame was sampled, rendered and shown
 //   event_markers.tsv  event markers, set by a key or by remote control
+//   head.tsv           of a headset: the head in the scene, of each frame and of each sample
 // Once it is closed:
 //   events.tsv         as of a replay
 //   manifest.json      with the hash of all frames, which equals that of the replay, and how soon
@@ -51,6 +52,13 @@ struct FrameTiming {
   int repeats = 0;               ///< earlier refreshes of the screen that showed an older frame
   int sync_level = 0;            ///< of the sync patch, 0 to 3
   bool in_full = false;          ///< at full quality: the frame-time budget took nothing away
+  std::optional<double> display_s{};  ///< a headset predicted that it shows the frame then
+};
+
+/// The head in a frame of a headset.
+struct LiveHead {
+  HeadInWorld in_scene{}, in_room{};
+  HeadsetEyes displays{};
 };
 
 struct LiveFrame {
@@ -61,6 +69,7 @@ struct LiveFrame {
   std::vector<glm::dvec2> lines_px{};   ///< of the study's objects: two ends each; not in the image
   std::shared_ptr<RenderedFrame> on_gpu;  ///< what the texture was made of, for the renderer alone
   FrameTiming timing;
+  std::optional<LiveHead> head{};         ///< absent: on a screen
   std::weak_ptr<LiveRecord> record_file;  ///< the record it belongs to, if any
 };
 
@@ -85,6 +94,8 @@ class LiveRecord {
 
   void add(const GazeSample& sample);
   void add(const Change& change);
+  /// Only of a headset.
+  void add(const HeadRow& row);
   void addMarker(double time_s, const std::string& text);
   /// @param devices  that rendered its frames so far (`Session::devices`)
   void setDevices(const std::string& devices);
@@ -126,13 +137,15 @@ class LiveRecord {
   Warnings warnings_;
   GazeTable gaze_;
   FrameTable frames_;
-  std::ofstream changes_, timing_, markers_;
+  std::ofstream changes_, timing_, markers_, head_;
   Sha256 hash_;
   Durations render_, rendered_;        // of all frames; without reused frames
   std::map<int, std::size_t> pupils_;  // frames by hundredths of a millimetre
   Landings landings_;
   GazeReception reception_;
   std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // samples; samples with a gaze point
+  std::size_t inferred_ = 0;                        // samples that the tracker did not see
+  std::size_t queried_ = 0;                         // samples with the time of a query
   std::size_t frame_count_ = 0, splats_ = 0;
   double first_s_ = 0.0, last_s_ = 0.0, flushed_s_ = 0.0;
 

@@ -14,6 +14,7 @@
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/view_remarks.h"
+#include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/lod/moment_tree.h"
@@ -52,13 +53,15 @@ std::string methodOfFrame(const Study& study, const FrameRecord& record) {
 
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
                            std::string command, unsigned threads, std::function<void()> ready,
-                           std::optional<SceneFile> scene, std::future<SharedGpu> gpu)
+                           std::optional<SceneFile> scene, std::future<SharedGpu> gpu,
+                           std::function<LiveHead(const Study*)> head)
     : study_(study),
       feed_(feed),
       clock_(clock),
       command_(std::move(command)),
       threads_(threads),
       ready_(std::move(ready)),
+      head_(std::move(head)),
       state_{.study = study,
              .notice = {},
              .last = {},
@@ -109,6 +112,9 @@ std::future<std::string> LiveRenderer::post(std::function<void()> action) {
 
 std::future<std::string> LiveRenderer::change(const std::string& key, const std::string& toml) {
   return post([this, key, toml] {
+    if (head_ && key == "output.view") {
+      throw InputError(key, "does not change in a headset, which shows both eyes");
+    }
     changeLive(study_, *session_, key, toml);
     if (key.starts_with("eye.")) noteView();
     if (const std::string remark = eyeRemark(study_); !remark.empty()) tell(remark);
@@ -150,6 +156,10 @@ std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& 
     news_.clear();
     feed_.take(news_);
     session_start_s_ = wholeMicroseconds(std::max(clock_.now_s(), last_frame_s_ + kTick_s));
+    if (head_) {
+      record->add(beginPath(session_start_s_));
+      session_->changeSettings(sessionSettingsOf(study_));
+    }
     session_->restart(session_start_s_);
     const GazeSample first{.time_s = session_start_s_};
     session_->push(first);
@@ -186,6 +196,7 @@ void LiveRenderer::closeRecord() {
   // The record holds every sample that arrived before its end.
   feed_.waitForPoll();
   takeGaze();
+  pushGaze();
   state_.record->setReception(receptionSince(session_start_s_));
   const std::lock_guard lock(mutex_);
   state_.notice = "record in " + state_.record->folder().string();
@@ -268,7 +279,7 @@ void LiveRenderer::publish() {
 /// Notes whether the eye sees the scene, after a change of its place. An eye on a path finds its
 /// own way.
 void LiveRenderer::noteView() {
-  const bool in_view = !study_.eye.path.empty() || isSceneInView(study_, outlined());
+  const bool in_view = head_ || !study_.eye.path.empty() || isSceneInView(study_, outlined());
   const std::lock_guard lock(mutex_);
   state_.in_view = in_view;
 }
@@ -287,6 +298,7 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
     }
     const SharedGpu window_gpu = gpu.valid() ? gpu.get() : nullptr;
     session_start_s_ = clock_.now_s();
+    if (head_) beginPath(session_start_s_);
     session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
                                          feed_.rate_Hz(), session_start_s_, window_gpu);
     shows_textures_ = window_gpu && session_->renderer().gpu() == window_gpu;
@@ -383,15 +395,49 @@ GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
   return sample;
 }
 
+/// The head's path begins anew: a replay of a record knows no earlier pose.
+HeadRow LiveRenderer::beginPath(double time_s) {
+  const HeadInWorld head = head_(&study_).in_scene;
+  study_.eye.recorded = EyePath(std::vector<TrackedPose>{
+      {.position_m = head.position_m, .world_from_eye = head.world_from_head}});
+  return {.time_s = time_s, .head = head};
+}
+
+/// Moves the eye to where the head is when the frame is shown.
+LiveHead LiveRenderer::followHead(double time_s) {
+  LiveHead head = head_(&study_);
+  head.displays = study_.headsetEyes();
+  const auto& [position_m, world_from_head] = head.in_scene;
+  study_.eye.recorded->add({.time_s = time_s - session_start_s_,
+                            .position_m = position_m,
+                            .world_from_eye = world_from_head});
+  if (state_.record) state_.record->add(HeadRow{.time_s = time_s, .head = head.in_scene});
+  return head;
+}
+
+/// Takes the samples that have arrived.
 void LiveRenderer::takeGaze() {
   news_.clear();
   feed_.take(news_);
-  for (const GazeSample& each : news_) {
-    if (each.time_s < session_start_s_) continue;  // measured before the record began
-    const GazeSample sample = asRecorded(each);
+  // Those before were measured before the record began.
+  std::erase_if(news_, [&](const GazeSample& each) { return each.time_s < session_start_s_; });
+  for (GazeSample& each : news_) {
+    each = asRecorded(each);
+    last_sample_s_ = each.time_s;
+  }
+}
+
+/// Gives them to the eye. A head's pose up to their times is known, as it is in the replay.
+void LiveRenderer::pushGaze() {
+  for (const GazeSample& sample : news_) {
     session_->push(sample);
-    if (state_.record) state_.record->add(sample);
-    last_sample_s_ = sample.time_s;
+    if (!state_.record) continue;
+    state_.record->add(sample);
+    if (!sample.head) continue;
+    state_.record->add(HeadRow{.time_s = sample.time_s,
+                               .of_sample = true,
+                               .inferred = sample.inferred,
+                               .head = *sample.head});
   }
 }
 
@@ -441,6 +487,8 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   timing.render_start_s = clock_.now_s();
   const double time_s = std::max({timing.render_start_s, last_sample_s_.value_or(0.0),
                                   wholeMicroseconds(last_frame_s_ + kTick_s)});
+  if (head_) frame->head = followHead(time_s);
+  pushGaze();
   frame->record = session_->look(time_s);
   const GazeState state = frame->record.eye.state;
   feed_.look(state != GazeState::lost && state != GazeState::blink);

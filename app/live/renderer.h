@@ -50,9 +50,11 @@ class LiveRenderer {
   /// @param gpu      of the window, which shows textures; null: the window shows images. The thread
   ///                 waits for it once the scene is loaded
   /// `clock` and `feed` must outlive the renderer.
+  /// @param head     of the next frame in a headset, which moves the eye from where the study
+  ///                 places it; none: the study moves it
   LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock, std::string command,
                unsigned threads, std::function<void()> ready, std::optional<SceneFile> scene = {},
-               std::future<SharedGpu> gpu = {});
+               std::future<SharedGpu> gpu = {}, std::function<LiveHead(const Study*)> head = {});
   ~LiveRenderer();
   LiveRenderer(const LiveRenderer&) = delete;
   LiveRenderer& operator=(const LiveRenderer&) = delete;
@@ -95,6 +97,9 @@ class LiveRenderer {
   void renderFrames(const std::stop_token& stop);
   bool waitForRoom(const std::stop_token& stop);
   void takeGaze();
+  void pushGaze();
+  HeadRow beginPath(double time_s);
+  LiveHead followHead(double time_s);
   GazeReception receptionSince(double start_s) const;
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> renderFrame();
@@ -113,6 +118,7 @@ class LiveRenderer {
   std::string command_;
   unsigned threads_;
   std::function<void()> ready_;
+  std::function<LiveHead(const Study*)> head_;
 
   // Used by the thread alone.
   Warnings warnings_;
@@ -130,7 +136,7 @@ class LiveRenderer {
   std::shared_ptr<RenderedFrame> on_gpu_;
   LaterImage plain_;
   FrameReading reading_;
-  std::vector<GazeSample> news_;
+  std::vector<GazeSample> news_;  // as recorded
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;
   std::size_t dropped_before_ = 0;        // the record began

@@ -13,6 +13,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "app/live/headset_display.h"
 #include "app/live/options.h"
 #include "app/live/panel.h"
 #include "app/live/pose.h"
@@ -22,6 +23,7 @@
 #include "app/platform/interrupt.h"
 #include "app/platform/output_files.h"
 #include "app/platform/remote_socket.h"
+#include "app/platform/warnings.h"
 #include "app/record/gaze_marker.h"
 #include "app/study/study_text.h"
 #include "app/study/study_words.h"
@@ -34,6 +36,7 @@ namespace {
 constexpr double kFirst_s = 8.0, kNotice_s = 4.0;  // how long hints and notices stay
 constexpr double kPanel_s = 1.0 / 30.0,
                  kIdle_s = 0.5;  // until the window is drawn again without a new frame
+constexpr int kMirror_px = 800;  // the longer side of the window beside a headset
 constexpr double kTurn_rad_per_px = 0.002, kFocusStep_D = 0.25;
 
 std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
@@ -61,13 +64,19 @@ SharedGpu gpuOf(Window& window, RenderDevice device) {
 class LiveWindow {
  public:
   LiveWindow(const Study& study, const LiveOptions& options, std::optional<SceneFile>&& scene);
-  ~LiveWindow() { open_ = false; }
+  ~LiveWindow() {
+    open_ = false;
+    if (headset_) headset_->stop();
+  }
   LiveWindow(const LiveWindow&) = delete;
   LiveWindow& operator=(const LiveWindow&) = delete;
 
   LiveSummary run();
 
  private:
+  void openWindow(const Study& study, const LiveOptions& options);
+  void openHeadset(Study& study, const std::function<void()>& wake);
+  void takeFrames();
   void requireRecord();
   void point();
   bool keys();
@@ -77,7 +86,7 @@ class LiveWindow {
   void sendPose();
   void draw();
   void showFrame();
-  void shown();
+  void shown(double swap_s);
   void change(const std::string& name, const std::string& toml) { renderer_->change(name, toml); }
   void toggle(const char* name, bool now) { change(name, now ? "false" : "true"); }
   void toggleRecord();
@@ -94,6 +103,7 @@ class LiveWindow {
   std::atomic<bool> open_ = false;
   std::optional<Window> window_;
   std::optional<Texture> texture_;
+  std::optional<HeadsetDisplay> headset_;
   std::optional<GazeFeed> feed_;
   std::optional<LiveRenderer> renderer_;
   std::promise<SharedGpu> gpu_;         // for the renderer, which waits for it; destroyed before it
@@ -112,9 +122,41 @@ class LiveWindow {
   std::optional<RemoteSocket> socket_;  // last: its threads call the others
 };
 
-LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
-                       std::optional<SceneFile>&& scene)
-    : screen_(study.screenInForce()) {
+void LiveWindow::openWindow(const Study& study, const LiveOptions& options) {
+  std::optional<glm::ivec2> size_px;
+  if (options.headset) {
+    size_px = glm::ivec2(kMirror_px);
+  } else if (options.window) {
+    size_px = study.imageSize_px();
+  }
+  window_.emplace("foci live", size_px, options.monitor);
+  open_ = true;
+  texture_.emplace();
+  period_s_ = 1.0 / window_->refresh_Hz();
+}
+
+/// The study is then on the headset's displays, and the window shows what the left eye sees.
+void LiveWindow::openHeadset(Study& study, const std::function<void()>& wake) {
+  headset_.emplace(study, window_->sharedContext(), clock_, wake);
+  study = headset_->studyHere(std::move(study));
+  const glm::dvec2 eye_px(headset_->facts().eye_px);
+  window_->resize(glm::ivec2(kMirror_px / std::max(eye_px.x, eye_px.y) * eye_px));
+  const HeadsetFacts& facts = headset_->facts();
+  say("headset " + facts.headset + ", by " + facts.runtime +
+      (facts.asks_gaze ? ": its gaze is one line of sight, without vergence and pupil" : ""));
+}
+
+LiveWindow::LiveWindow(const Study& asked, const LiveOptions& options,
+                       std::optional<SceneFile>&& scene) {
+  Study study = asked;
+  const auto wake = [this] {
+    if (open_) Window::wake();
+  };
+  if (options.headset) {
+    openWindow(study, options);
+    openHeadset(study, wake);
+  }
+  screen_ = study.screenInForce();
   if (study.eye.path.empty()) {
     pose_.emplace(*study.eye.position_m, *study.eye.look_at_m, study.eye.up);
   }
@@ -124,19 +166,16 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
                .screenshot = [this] { screenshot(); },
                .add_marker = [this] { renderer_->addMarker("panel"); },
                .save_study = [this] { saveStudy(); }};
-  feed_.emplace(openLiveSource(options.source, study), clock_);
+  feed_.emplace(headset_ ? headset_->gaze(study, screen_) : openLiveSource(options.source, study),
+                clock_);
   // The scene loads while the window opens.
-  const auto wake = [this] {
-    if (open_) Window::wake();
-  };
+  std::function<LiveHead(const Study*)> head;
+  if (headset_) head = [this](const Study* moved) { return headset_->headNext(moved); };
   renderer_.emplace(study, *feed_, clock_, options.command, options.threads, wake, std::move(scene),
-                    gpu_.get_future());
-  window_.emplace("foci live", options.window ? std::optional(study.imageSize_px()) : std::nullopt,
-                  options.monitor);
-  open_ = true;
+                    gpu_.get_future(), head);
+  if (!window_) openWindow(study, options);
   gpu_.set_value(gpuOf(*window_, study.render.device));
-  texture_.emplace();
-  period_s_ = 1.0 / window_->refresh_Hz();
+  if (headset_) headset_->start(*renderer_);
   if (options.record) starting_ = renderer_->startRecord(*options.record);
   if (!options.socket.empty()) {
     socket_.emplace(
@@ -162,19 +201,39 @@ LiveSummary LiveWindow::run() {
     requireRecord();
     point();
     const bool pressed = keys();
-    if (auto next = renderer_->take(clock_.now_s() + period_s_)) {
-      frame_ = std::move(next);
-      is_new_ = true;
-    }
+    takeFrames();
     if (is_new_ || pressed || clock_.now_s() >= last_swap_s_ + wait_s) draw();
   }
   socket_.reset();
+  if (headset_) {
+    headset_->stop();
+    takeFrames();
+  }
   if (renderer_->take(clock_.now_s())) ++summary_.dropped;
   record_ = nullptr;
   renderer_->finish(summary_.records, summary_.failed_records);
   summary_.reception = feed_->reception();
   if (saving_.valid()) saving_.wait();
   return summary_;
+}
+
+void LiveWindow::takeFrames() {
+  if (!headset_) {
+    if (auto next = renderer_->take(clock_.now_s() + period_s_)) {
+      frame_ = std::move(next);
+      is_new_ = true;
+    }
+    return;
+  }
+  for (auto& next : headset_->takeShown()) {
+    frame_ = std::move(next);
+    shown(*frame_->timing.swap_s);
+    is_new_ = true;
+  }
+  if (const std::string ended = headset_->ended(); !ended.empty() && !leaving_) {
+    say(ended);
+    leaving_ = true;
+  }
 }
 
 /// Ends the run if the record of `--record` could not begin.
@@ -221,6 +280,7 @@ void LiveWindow::sendPose() {
 }
 
 void LiveWindow::moveEye(int key) {
+  if (headset_ && key == GLFW_KEY_HOME) headset_->recentre();
   if (!pose_) return;
   const double step_m = liveStep_m(renderer_->state().scene_m);
   switch (key) {
@@ -343,8 +403,9 @@ void LiveWindow::saveStudy() {
 
 /// The panel then shows the object's name and size.
 void LiveWindow::placeObject() {
-  if (!window_->hovered() || ImGui::GetIO().WantCaptureMouse) {
-    renderer_->tell("no surface under the pointer");
+  if (headset_ || !window_->hovered() || ImGui::GetIO().WantCaptureMouse) {
+    renderer_->tell(headset_ ? "objects are placed in the window of a screen"
+                             : "no surface under the pointer");
     return;
   }
   renderer_->placeObject(window_->cursor_px() / window_->size_px() * glm::dvec2(screen_.size_px));
@@ -388,7 +449,7 @@ void LiveWindow::draw() {
                              .graph = graph_,
                              .summary = summary_,
                              .now_s = now_s};
-  if (panel_ && frame_) {
+  if (panel_ && frame_ && !headset_) {
     drawObjects(frame_->lines_px,
                 frame_->texture ? frame_->texture->size_px() : frame_->image.get()->size_px);
   }
@@ -396,51 +457,56 @@ void LiveWindow::draw() {
   if (help_) drawHelp(help_);
   drawNotices(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);
   if (frame_ && state.study.output.sync_patch > 0) {
-    if (is_new_) frame_->timing.sync_level = static_cast<int>(summary_.frames % kSyncLevels);
+    if (is_new_ && !headset_)
+      frame_->timing.sync_level = static_cast<int>(summary_.frames % kSyncLevels);
     drawSyncPatch(state.study.output.sync_patch, frame_->timing.sync_level);
   }
   window_->end();
   last_swap_s_ = clock_.now_s();
-  if (is_new_) shown();
+  if (is_new_ && !headset_) shown(last_swap_s_);
+  is_new_ = false;
 }
 
 void LiveWindow::showFrame() {
   const glm::ivec2 size_px = window_->frameBufferSize_px();
+  const int views = headset_ ? 2 : 1;
   if (!frame_->texture) {
-    texture_->fill(size_px);
+    texture_->fill(size_px, views);
     return;
   }
   GpuTexture& on_gpu = *frame_->texture;
-  texture_->fillFrom(on_gpu.beginShow(), on_gpu.size_px(), size_px);
+  texture_->fillFrom(on_gpu.beginShow(), on_gpu.size_px(), size_px, views);
   on_gpu.endShow();
-  drawGazeRings(frame_->markers_px, !isFixating(frame_->record), on_gpu.size_px());
+  drawGazeRings(frame_->markers_px, !isFixating(frame_->record),
+                on_gpu.size_px() / glm::ivec2(views, 1));
 }
 
 /// Counts the frame that has just been shown, and gives it to the record.
-void LiveWindow::shown() {
-  is_new_ = false;
+void LiveWindow::shown(double swap_s) {
   FrameTiming& timing = frame_->timing;
-  timing.swap_s = last_swap_s_;
+  timing.swap_s = swap_s;
   if (summary_.frames == 0) {
-    summary_.first_frame_s = last_swap_s_;
-  } else {
-    const auto refreshes = std::lround((last_swap_s_ - image_swap_s_) / period_s_);
+    summary_.first_frame_s = swap_s;
+  } else if (!headset_) {
+    const auto refreshes = std::lround((swap_s - image_swap_s_) / period_s_);
     timing.repeats = static_cast<int>(std::max(refreshes - 1, 0L));
   }
-  image_swap_s_ = last_swap_s_;
+  image_swap_s_ = swap_s;
   ++summary_.frames;
   summary_.repeated += static_cast<std::uint64_t>(timing.repeats);
   const double render_ms = 1e3 * (timing.render_end_s - timing.render_start_s);
-  const double sample_ms = 1e3 * (last_swap_s_ - timing.sample_s.value_or(last_swap_s_));
+  const double sample_ms = 1e3 * (swap_s - timing.sample_s.value_or(swap_s));
   summary_.render.add(render_ms);
-  summary_.render_to_swap.add(1e3 * (last_swap_s_ - timing.render_end_s));
+  summary_.render_to_swap.add(1e3 * (swap_s - timing.render_end_s));
   // A silent source has no sample whose age could be told.
   if (timing.sample_s && frame_->record.eye.state != GazeState::lost) {
     summary_.sample_to_swap.add(sample_ms);
     summary_.sample_to_render.add(1e3 * (timing.render_start_s - *timing.sample_s));
+    if (timing.display_s)
+      summary_.sample_to_display.add(1e3 * (*timing.display_s - *timing.sample_s));
   }
-  summary_.landings.add(frame_->record, timing.in_full, last_swap_s_);
-  graph_.add(sample_ms, render_ms, 1e3 * (last_swap_s_ - timing.render_end_s));
+  summary_.landings.add(frame_->record, timing.in_full, swap_s);
+  graph_.add(sample_ms, render_ms, 1e3 * (swap_s - timing.render_end_s));
   // The first frame after a record closes it.
   const auto record = frame_->record_file.lock();
   if (record_ && record_ != record) record_->close();

@@ -107,6 +107,49 @@ double meanRate_Hz(std::size_t frames, double span_s, double otherwise) {
   return std::clamp(rate_Hz, 1.0, 1000.0);
 }
 
+std::string headHeader() { return "time_s\tof\tinferred\tx_m\ty_m\tz_m\tqx\tqy\tqz\tqw\n"; }
+
+std::string headRow(const HeadRow& row) {
+  const auto& [p, q] = row.head;
+  std::string text = decimal(row.time_s, 6) + (row.of_sample ? "\tsample\t" : "\tframe\t") +
+                     (row.inferred ? "1" : "0");
+  for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) text += '\t' + exactly(value);
+  return text + '\n';
+}
+
+std::vector<HeadRow> readHeads(const std::filesystem::path& file) {
+  NamedTable table(file, "time_s, of, x_m to qw", /*may_be_cut=*/true);  // of a killed run
+  std::array<std::size_t, 9> columns{};
+  std::ranges::transform(std::array{"time_s", "of", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"},
+                         columns.begin(), [&](const char* name) { return table.column(name); });
+  std::array<double, 2> last_s{-1e12, -1e12};  // of frames, of samples
+  std::vector<HeadRow> rows;
+  while (table.next()) {
+    const bool of_sample = table.text(columns[1]) == "sample";
+    const double after_s = last_s.at(of_sample ? 1 : 0);
+    const double time_s = timeIn(table, table.text(columns[0]), std::nextafter(after_s, 1e12));
+    last_s.at(of_sample ? 1 : 0) = time_s;
+    const auto at = [&](std::size_t i) { return table.needed(columns.at(i)); };
+    const glm::dquat turn(at(8), at(5), at(6), at(7));
+    if (!(std::abs(glm::length(turn) - 1.0) < 1e-3)) {
+      throw table.error("qx, qy, qz, qw: expected a quaternion of length 1");
+    }
+    rows.push_back(
+        {.time_s = time_s, .of_sample = of_sample, .head = {{at(2), at(3), at(4)}, turn}});
+  }
+  return rows;
+}
+
+void giveHeads(const std::vector<HeadRow>& rows, std::vector<GazeSample>& samples) {
+  auto sample = samples.begin();
+  for (const HeadRow& row : rows) {
+    if (!row.of_sample) continue;
+    while (sample != samples.end() && sample->time_s < row.time_s) ++sample;
+    if (sample == samples.end()) break;
+    if (sample->time_s == row.time_s) sample->head = row.head;
+  }
+}
+
 std::string changesHeader() { return "time_s\tkey\tvalue\n"; }
 
 std::string changeRow(const Change& change) {

@@ -31,6 +31,21 @@ class GazeTable {
   std::ofstream out_;
 };
 
+/// head.tsv: the poses of a head in the scene, of each frame and of each sample of gaze. They read
+/// back to the same bits.
+struct HeadRow {
+  double time_s = 0.0;
+  bool of_sample = false;
+  bool inferred = false;  ///< the sample's gaze
+  HeadInWorld head{};
+};
+std::string headHeader();
+std::string headRow(const HeadRow& row);
+/// @throws InputError
+std::vector<HeadRow> readHeads(const std::filesystem::path& file);
+/// Gives the samples their heads; both are in order of time.
+void giveHeads(const std::vector<HeadRow>& rows, std::vector<GazeSample>& samples);
+
 /// A frame of a record.
 struct RecordedFrame {
   double time_s = 0.0;

@@ -9,6 +9,7 @@
 
 #include "app/platform/interrupt.h"
 #include "app/platform/sha256.h"
+#include "app/record/record_files.h"
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "base/input_error.h"
@@ -44,12 +45,35 @@ std::vector<TraceTrial> trialsOf(const Study& study, const GazeTrace& trace, War
   return trials;
 }
 
+/// The poses of a live run in a headset. Each frame has its own, and so has each sample of gaze.
+/// @return time of the last frame
+double takeRecordedPoses(ReplayedGaze& inputs) {
+  const std::filesystem::path& file = *inputs.study.record.head;
+  const std::vector<HeadRow> rows = readHeads(file);
+  giveHeads(rows, inputs.trace.samples);
+  const double start_s = inputs.trace.samples.front().time_s;
+  std::vector<TrackedPose> poses;
+  for (const HeadRow& row : rows) {
+    if (row.of_sample) continue;
+    poses.push_back({.time_s = row.time_s - start_s,
+                     .position_m = row.head.position_m,
+                     .world_from_eye = row.head.world_from_head});
+  }
+  if (poses.empty()) throw InputError(file.string(), "expected poses of frames");
+  const double end_s = start_s + poses.back().time_s;
+  inputs.study.eye.recorded = EyePath(std::move(poses));
+  inputs.trace.screen = inputs.study.screenInForce();
+  return end_s;
+}
+
 }  // namespace
 
 ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
   ReplayedGaze inputs{
       .study = {}, .trace = loadGaze(study, warnings), .schedule = {}, .changes = {}, .trials = {}};
   inputs.study = withRecordedHead(study, inputs.trace);
+  std::optional<double> head_end_s;
+  if (study.record.head) head_end_s = takeRecordedPoses(inputs);
   const glm::ivec2 size_px = inputs.study.imageSize_px();
   if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
     throw InputError(study.file.string(), "images of " + std::to_string(size_px.x) + "x" +
@@ -70,6 +94,10 @@ ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
   }
   inputs.schedule = scheduleOf(study, inputs.trace);
   inputs.study.output.fps = inputs.schedule.fps;
+  if (const auto& frames = inputs.schedule.recorded;
+      head_end_s && !frames.empty() && frames.back().time_s > *head_end_s + 1e-6) {
+    warnings.add(study.record.head->string(), "ends before the last frame: the head then rests");
+  }
   if (study.record.changes) inputs.changes = readChanges(*study.record.changes);
   if (study.record.markers) inputs.trace.markers = readEventMarkers(*study.record.markers);
   inputs.trials = trialsOf(inputs.study, inputs.trace, warnings);

@@ -18,7 +18,7 @@ EyePath::EyePath(std::vector<EyeKeyframe> keyframes, const glm::dvec3& up, std::
 }
 
 EyePath::EyePath(std::vector<TrackedPose> poses)
-    : poses_(std::make_shared<const std::vector<TrackedPose>>(std::move(poses))) {
+    : poses_(std::make_shared<std::vector<TrackedPose>>(std::move(poses))) {
   assert(!poses_->empty());
 }
 
@@ -37,8 +37,10 @@ glm::mat4 EyePath::headFromWorldAt(double time_s) const {
   const TrackedPose& from = after == poses_->begin() ? poses_->front() : *std::prev(after);
   const double share =
       &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
+  // At a pose itself, the pose: a live run does not know the next one.
   const glm::dquat world_from_eye =
-      glm::normalize(glm::slerp(from.world_from_eye, to.world_from_eye, share));
+      share == 0.0 ? from.world_from_eye
+                   : glm::normalize(glm::slerp(from.world_from_eye, to.world_from_eye, share));
   const glm::dmat3 eye_from_world = glm::mat3_cast(glm::conjugate(world_from_eye));
   glm::dmat4 rigid(eye_from_world);
   rigid[3] = glm::dvec4(-(eye_from_world * glm::mix(from.position_m, to.position_m, share)), 1.0);

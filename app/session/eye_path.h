@@ -44,6 +44,9 @@ class EyePath {
   /// @param poses  at least one (asserted), by time
   explicit EyePath(std::vector<TrackedPose> poses);
 
+  /// The next pose of a head that is tracked now. All copies of the path get it.
+  void add(const TrackedPose& pose) { poses_->push_back(pose); }
+
   bool isStill() const { return !poses_ && keyframes_.size() == 1; }
 
   /// Whether a head tracker moves the eye: what rests in the world then moves in the view.
@@ -59,7 +62,7 @@ class EyePath {
  private:
   glm::mat4 headFromWorldAt(double time_s) const;
 
-  std::shared_ptr<const std::vector<TrackedPose>> poses_{};  // null: `keyframes_` hold
+  std::shared_ptr<std::vector<TrackedPose>> poses_{};  // null: `keyframes_` hold
   std::vector<EyeKeyframe> keyframes_{};
   glm::dvec3 up_{0.0, 1.0, 0.0};
   std::string source_{};

@@ -200,7 +200,7 @@ std::shared_ptr<GpuTexture> FrameRenderer::textureOf(RenderedFrame& rendered,
       layer.white_column = frame.size_px.x / 2;
       layer.columns = layer.white_column + 1;
     }
-    if (rendered.request.stereo == StereoView::anaglyph && view.offset_m >= 0.0) {
+    if (rendered.request.stereo == StereoView::anaglyph && !view.isLeft()) {
       layer.channels.r = false;  // of the left eye, which comes first
     }
     layers.push_back(std::move(layer));

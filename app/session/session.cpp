@@ -134,7 +134,7 @@ std::vector<EyeView> Session::viewsAt(double time_s) const {
   const OutputView& output = settings_.output;
   if (settings_.headset && output.stereo != StereoView::mono) {
     return headsetViews(output.stereo, settings_.path.eyeFromWorldAt(time_s - start_s_),
-                        *settings_.headset, output.size_px, settings_.observer.ipd_mm / 1000.0);
+                        *settings_.headset, output.size_px);
   }
   return eyeViews(settings_.output.stereo, middleViewAt(time_s), settings_.observer.ipd_mm / 1000.0,
                   settings_.screen.distance_m);
@@ -350,19 +350,17 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
   if (!settings_.quality.foveated) return quality;
   if (const auto& point_px = rendered_eye_ ? rendered_eye_->gaze_px : gazeOf(record)) {
     quality.acuity =
-        acuityAround(placeInImage_px(*point_px, eye),
+        acuityAround(inView_px(*point_px, eye),
                      glm::radians(std::sqrt(eye.view.focal_px.x * eye.view.focal_px.y)));
   }
   return quality;
 }
 
 /// A point of the screen, which all views share, where the eye's own view shows it.
-glm::vec2 Session::placeInImage_px(const glm::dvec2& point_px, const EyeView& eye) const {
+glm::vec2 Session::inView_px(const glm::dvec2& point_px, const EyeView& eye) const {
   const Screen& screen = settings_.screen;
   const glm::dvec3 sight = lineOfSight(screen, point_px);
-  const glm::dvec3 p_eye =
-      screen.distance_m / -sight.z * sight - glm::dvec3(eye.offset_m, 0.0, 0.0);
-  return project(eye.view, glm::vec3(p_eye));
+  return project(eye.view, glm::vec3(eye.inEye(screen.distance_m / -sight.z * sight)));
 }
 
 /// The eye's lens over its view. Gaze that is lost stays; before the first, it is straight ahead.
@@ -370,8 +368,8 @@ void Session::addField(const FrameRecord& record, const EyeView& eye, Defocus& d
   if (!settings_.observer.field || defocus.radius_px_per_D == glm::vec2(0.0f)) return;
   std::optional<glm::dvec2> point_px = rendered_eye_ ? rendered_eye_->gaze_px : gazeOf(record);
   if (!point_px) point_px = last_gaze_px_;
-  field_.set(*settings_.observer.field, eye.offset_m < 0.0, eye.view,
-             point_px ? placeInImage_px(*point_px, eye) : eye.view.principal_px, defocus);
+  field_.set(*settings_.observer.field, eye.isLeft(), eye.view,
+             point_px ? inView_px(*point_px, eye) : eye.view.principal_px, defocus);
 }
 
 RenderRequest Session::requestOf(const std::string& method, const FrameRecord& record) const {
@@ -395,8 +393,7 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
   for (const EyeView& eye : viewsAt(record.time_s)) {
     RenderSettings settings{
         .defocus = defocusOfEye(settings_.observer, pupil_mm, eye.view.focal_px, focus_D),
-        .pupil = pupilOfEye(settings_.observer, eye.offset_m < 0.0, pupil_mm, eye.view.focal_px,
-                            focus_D),
+        .pupil = pupilOfEye(settings_.observer, eye.isLeft(), pupil_mm, eye.view.focal_px, focus_D),
         .background = settings_.background,
         .shading = settings_.shading,
         .depth = settings_.output.depth};

@@ -78,8 +78,8 @@ struct SessionSettings {
   float shading = 0.0f;        ///< 0 to 1: how much colour falls off with the angle of sight
   EyePath path{};
   Screen screen = defaultScreen();  ///< that the frames are shown on
-  /// The left eye's field of a headset. `screen` is then what both eyes see of its display.
-  std::optional<EyeField> headset{};
+  /// The displays of a headset. `screen` is then what both eyes see of them.
+  std::optional<HeadsetEyes> headset{};
   double luminance_cd_m2 = 120.0;  ///< of the screen's white
   /// Of the screen's light, where `ObserverSettings::chromatic`; empty: its primaries.
   std::vector<Colour> colours{};

@@ -11,9 +11,8 @@
 namespace foci {
 namespace {
 
-glm::mat4 shifted(const glm::mat4& middle_from_world, double offset_m) {
-  return glm::translate(glm::mat4(1.0f), {-static_cast<float>(offset_m), 0.0f, 0.0f}) *
-         middle_from_world;
+glm::mat4 shifted(const glm::mat4& middle_from_world, const glm::dvec3& offset_m) {
+  return glm::translate(glm::mat4(1.0f), -glm::vec3(offset_m)) * middle_from_world;
 }
 
 /// 0: the left eye, 1: the right one.
@@ -37,8 +36,8 @@ std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double ipd_
   const glm::ivec2 parts = viewsAcross(stereo);
   std::vector<EyeView> eyes;
   for (const int side : sidesIn(stereo)) {
-    EyeView eye{.offset_m = (side == 0 ? -0.5 : 0.5) * ipd_m, .view = middle};
-    const auto offset_m = static_cast<float>(eye.offset_m);
+    EyeView eye{.offset_m = {(side == 0 ? -0.5 : 0.5) * ipd_m, 0.0, 0.0}, .view = middle};
+    const auto offset_m = static_cast<float>(eye.offset_m.x);
     eye.view.eye_from_world = shifted(middle.eye_from_world, eye.offset_m);
     eye.view.size_px = middle.size_px / parts;
     eye.view.focal_px = middle.focal_px / glm::vec2(parts);
@@ -50,19 +49,21 @@ std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double ipd_
   return eyes;
 }
 
-std::vector<EyeView> headsetViews(StereoView stereo, const glm::mat4& middle_from_world,
-                                  const EyeField& left_eye, const glm::ivec2& size_px,
-                                  double ipd_m) {
+std::vector<EyeView> headsetViews(StereoView stereo, const glm::mat4& head_from_world,
+                                  const HeadsetEyes& displays, const glm::ivec2& size_px) {
   const glm::ivec2 parts = viewsAcross(stereo);
   const auto tangent = [](double deg) { return std::tan(glm::radians(deg)); };
   std::vector<EyeView> eyes;
   for (const int side : sidesIn(stereo)) {
-    EyeField field = stereo == StereoView::anaglyph ? fieldOfBothEyes(left_eye) : left_eye;
-    if (side == 1) std::swap(field.left_deg, field.right_deg);
+    const HeadsetEye& display = displays.at(static_cast<std::size_t>(side));
+    const EyeField field =
+        stereo == StereoView::anaglyph ? fieldOfBothEyes(displays[0].field) : display.field;
     const glm::dvec2 before(tangent(field.left_deg), tangent(field.up_deg));
     const glm::dvec2 behind(tangent(field.right_deg), tangent(field.down_deg));
-    EyeView eye{.offset_m = (side == 0 ? -0.5 : 0.5) * ipd_m, .view = {}};
-    eye.view.eye_from_world = shifted(middle_from_world, eye.offset_m);
+    EyeView eye{
+        .offset_m = display.position_m, .middle_from_eye = display.head_from_eye, .view = {}};
+    const glm::mat4 eye_from_middle(glm::mat3_cast(glm::conjugate(display.head_from_eye)));
+    eye.view.eye_from_world = eye_from_middle * shifted(head_from_world, eye.offset_m);
     eye.view.size_px = size_px / parts;
     const glm::dvec2 focal_px = glm::dvec2(eye.view.size_px) / (before + behind);
     eye.view.focal_px = glm::vec2(focal_px);
@@ -83,7 +84,7 @@ void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& im
                                                          static_cast<std::size_t>(eye.corner_px.x));
     // The left eye of an anaglyph comes first, with all colours. The right eye then replaces green
     // and blue.
-    if (stereo != StereoView::anaglyph || eye.offset_m < 0.0) {
+    if (stereo != StereoView::anaglyph || eye.isLeft()) {
       std::copy_n(from, width, to);
     } else {
       std::transform(from, from + static_cast<std::ptrdiff_t>(width), to, to,
@@ -95,8 +96,7 @@ void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& im
 }
 
 glm::dvec2 projectForEye(const EyeView& eye, const glm::dvec3& p_middle) {
-  const glm::vec3 p_eye(p_middle - glm::dvec3(eye.offset_m, 0.0, 0.0));
-  return glm::dvec2(project(eye.view, p_eye)) + glm::dvec2(eye.corner_px);
+  return glm::dvec2(project(eye.view, glm::vec3(eye.inEye(p_middle)))) + glm::dvec2(eye.corner_px);
 }
 
 }  // namespace foci

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
@@ -24,10 +25,17 @@ enum class StereoView { mono, side_by_side, top_bottom, anaglyph, left, right };
 glm::ivec2 viewsAcross(StereoView stereo);
 
 struct EyeView {
-  double offset_m = 0.0;  ///< of the eye from the middle between both, to the right
+  glm::dvec3 offset_m{0.0};  ///< of the eye from the middle between both; x right, y up
+  glm::dquat middle_from_eye{1.0, 0.0, 0.0, 0.0};  ///< a headset's displays may be canted
   View view;
   glm::ivec2 corner_px{0, 0};  ///< of the view in the image
   bool operator==(const EyeView&) const = default;
+
+  bool isLeft() const { return offset_m.x < 0.0; }
+  /// A point in the frame of the middle, in the eye's own.
+  glm::dvec3 inEye(const glm::dvec3& p_middle) const {
+    return glm::conjugate(middle_from_eye) * (p_middle - offset_m);
+  }
 };
 
 /// The views of an image: one from the middle between both eyes, or left and right. All look
@@ -41,16 +49,15 @@ struct EyeView {
 std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double ipd_m,
                               double distance_m);
 
-/// The views of a headset's image. The eyes look straight ahead, each through its own display,
-/// whose frustum is asymmetric:
+/// The views of a headset's image. Each eye looks along the axis of its own display, whose frustum
+/// is asymmetric:
 ///   focal_px = size_px / (tan left + tan right, tan up + tan down)
 /// In an anaglyph, which overlays the views, each eye has the field of both.
-/// @param left_eye  the right eye's field is its mirror image
+/// @param head_from_world  the middle between both eyes is the head's origin
 /// @param stereo    not mono, which has the view of an eye in the middle
 /// @param size_px   of the image
-std::vector<EyeView> headsetViews(StereoView stereo, const glm::mat4& middle_from_world,
-                                  const EyeField& left_eye, const glm::ivec2& size_px,
-                                  double ipd_m);
+std::vector<EyeView> headsetViews(StereoView stereo, const glm::mat4& head_from_world,
+                                  const HeadsetEyes& displays, const glm::ivec2& size_px);
 
 /// Copies the frame of one eye to its place in `image`, which has its size and no depth. Not for
 /// an image of one view, where the frame is the image.

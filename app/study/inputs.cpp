@@ -290,7 +290,7 @@ std::vector<std::filesystem::path> inputFiles(const Study& study) {
   for (const auto& file :
        {study.screen.monitor, study.screen.spectra, study.observer.wavefront.file,
         study.observer.field.file, study.gaze.map, study.gaze.camera, study.record.frames,
-        study.record.changes, study.record.markers}) {
+        study.record.changes, study.record.markers, study.record.head}) {
     if (file) files.push_back(*file);
   }
   if (const auto place = webcamPlaceOf(study.gaze.source)) {

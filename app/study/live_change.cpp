@@ -15,6 +15,8 @@ namespace {
 constexpr std::string_view kLiveKeys[] = {
     "eye.position_m",
     "eye.look_at_m",
+    "display.left_eye_m",
+    "display.right_eye_m",
     "observer.pupil_mm",
     "observer.ipd_mm",
     "focus.fixed_D",

@@ -94,7 +94,7 @@ SessionSettings sessionSettingsOf(const Study& study) {
       .shading = static_cast<float>(study.render.shading),
       .path = eyePathOf(study),
       .screen = study.screenInForce(),
-      .headset = study.display.kind == DisplayKind::headset ? std::optional(study.display.field())
+      .headset = study.display.kind == DisplayKind::headset ? std::optional(study.headsetEyes())
                                                             : std::nullopt,
       .luminance_cd_m2 = study.screen.luminance_cd_m2,
       .colours = std::move(colours),

@@ -88,6 +88,7 @@ Study readStudy(const std::filesystem::path& file) {
   if (study.record.frames) resolve(*study.record.frames, folder);
   if (study.record.changes) resolve(*study.record.changes, folder);
   if (study.record.markers) resolve(*study.record.markers, folder);
+  if (study.record.head) resolve(*study.record.head, folder);
   if (study.remote.folder) resolve(*study.remote.folder, folder);
   if (auto place = webcamPlaceOf(study.gaze.source)) {
     if (!place->device) {
@@ -268,18 +269,43 @@ void checkOutput(const Study& study) {
 }  // namespace
 
 void checkStudy(const Study& study) {
+  for (const auto& q : {study.display.left_eye_rotation, study.display.right_eye_rotation}) {
+    if (q && !(glm::length(*q) > 1e-3)) {
+      refuse(study,
+             "display.left_eye_rotation, right_eye_rotation: expected quaternions x, y, z, "
+             "w that are not 0");
+    }
+  }
   checkGaze(study);
   checkEye(study);
   checkObserver(study);
   checkOutput(study);
 }
 
-EyeField Study::Display::field() const {
-  if (!field_deg) return {};
-  return {.left_deg = field_deg->x,
-          .right_deg = field_deg->y,
-          .up_deg = field_deg->z,
-          .down_deg = field_deg->w};
+namespace {
+
+EyeField fieldOf(const glm::dvec4& deg) {
+  return {.left_deg = deg.x, .right_deg = deg.y, .up_deg = deg.z, .down_deg = deg.w};
+}
+
+}  // namespace
+
+EyeField Study::Display::field() const { return field_deg ? fieldOf(*field_deg) : EyeField{}; }
+
+HeadsetEyes Study::headsetEyes() const {
+  const double ipd_m = observer.ipd_mm / 1000.0;
+  const auto turn = [](const std::optional<glm::dvec4>& q) {
+    return q ? glm::normalize(glm::dquat(q->w, q->x, q->y, q->z)) : glm::dquat(1.0, 0.0, 0.0, 0.0);
+  };
+  HeadsetEye left{.position_m = display.left_eye_m.value_or(glm::dvec3(-0.5 * ipd_m, 0.0, 0.0)),
+                  .head_from_eye = turn(display.left_eye_rotation),
+                  .field = display.field()};
+  HeadsetEye right{.position_m = display.right_eye_m.value_or(glm::dvec3(0.5 * ipd_m, 0.0, 0.0)),
+                   .head_from_eye = turn(display.right_eye_rotation),
+                   .field = left.field};
+  std::swap(right.field.left_deg, right.field.right_deg);
+  if (display.right_field_deg) right.field = fieldOf(*display.right_field_deg);
+  return {left, right};
 }
 
 TraceColumns Study::columnsInForce() const {
@@ -302,7 +328,13 @@ glm::ivec2 Study::imageSize_px() const {
 
 Screen Study::screenInForce() const {
   if (display.kind == DisplayKind::headset) {
-    return headsetScreen(fieldOfBothEyes(display.field()), display.pixels_per_degree);
+    const auto [left, right] = headsetEyes();
+    const EyeField &a = left.field, &b = right.field;
+    return headsetScreen({.left_deg = std::max(a.left_deg, b.left_deg),
+                          .right_deg = std::max(a.right_deg, b.right_deg),
+                          .up_deg = std::max(a.up_deg, b.up_deg),
+                          .down_deg = std::max(a.down_deg, b.down_deg)},
+                         display.pixels_per_degree);
   }
   return {.size_px = screen.size_px, .size_m = screen.size_m, .distance_m = screen.distance_m};
 }

@@ -101,6 +101,10 @@ struct Study {
     /// Absent: the recording's, else `EyeField`.
     std::optional<glm::dvec4> field_deg;
     double pixels_per_degree = kHeadsetPixelsPerDegree;
+    // Of a headset that foci live opened; absent: as its left eye is, and without cant.
+    std::optional<glm::dvec4> right_field_deg;
+    std::optional<glm::dvec3> left_eye_m, right_eye_m;  ///< in the head's frame
+    std::optional<glm::dvec4> left_eye_rotation, right_eye_rotation;
 
     EyeField field() const;
   } display;
@@ -171,6 +175,7 @@ struct Study {
     std::optional<std::filesystem::path> frames;   ///< times and methods, instead of output.fps
     std::optional<std::filesystem::path> changes;  ///< of keys during the run
     std::optional<std::filesystem::path> markers;  ///< event markers of the run, for its report
+    std::optional<std::filesystem::path> head;     ///< poses of a headset
     std::optional<double> rate_Hz;  ///< of the samples; absent: the median of the recording
     std::string device;             ///< that rendered the run (`Session::devices`); empty: unknown
   } record;
@@ -185,6 +190,7 @@ struct Study {
   /// The screen in force: that of the study, of its monitor file, the default one, or what both
   /// eyes see of a headset's display.
   Screen screenInForce() const;
+  HeadsetEyes headsetEyes() const;
   /// Of all views of a frame together.
   glm::ivec2 imageSize_px() const;
   /// How to read the recording.

@@ -89,7 +89,7 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
   for (auto* path :
        {&moved.scene.file, &moved.screen.spectra, &moved.observer.wavefront.file,
         &moved.observer.field.file, &moved.gaze.map, &moved.gaze.camera, &moved.record.frames,
-        &moved.record.changes, &moved.record.markers, &moved.remote.folder}) {
+        &moved.record.changes, &moved.record.markers, &moved.record.head, &moved.remote.folder}) {
     if (*path) **path = namedIn(folder, **path);
   }
   for (ScenePart& part : moved.scene.parts) part.file = namedIn(folder, part.file);

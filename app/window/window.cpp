@@ -5,7 +5,14 @@
 #include <GL/gl.h>
 #include <GL/glext.h>
 //
+#include <GL/glx.h>
 #include <GLFW/glfw3.h>
+// X11 gives these words away.
+#undef None
+#undef Bool
+#undef Always
+#undef Status
+#undef Success
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
@@ -20,6 +27,13 @@
 
 #include "base/input_error.h"
 
+// glfw3native.h has them, but wants headers of Xrandr too.
+extern "C" {
+Display* glfwGetX11Display();
+GLXContext glfwGetGLXContext(GLFWwindow* window);
+GLXWindow glfwGetGLXWindow(GLFWwindow* window);
+}
+
 namespace foci {
 namespace {
 
@@ -28,17 +42,40 @@ constexpr float kFont_px = 20.0f;
 class HiddenContext final : public GpuContext {
  public:
   explicit HiddenContext(GLFWwindow* window) : window_(window) {}
+  ~HiddenContext() override {
+    if (glfwGetCurrentContext() == window_) glfwMakeContextCurrent(before_);
+  }
   bool makeCurrent() override {
     before_ = glfwGetCurrentContext();
     glfwMakeContextCurrent(window_);
     return glfwGetCurrentContext() == window_;
   }
   void release() override { glfwMakeContextCurrent(before_); }
+  NativeGl native() const override;
 
  private:
   GLFWwindow* window_;
   GLFWwindow* before_ = nullptr;
 };
+
+/// GLFW does not tell the configuration, but the context does.
+NativeGl HiddenContext::native() const {
+  Display* const display = glfwGetX11Display();
+  if (!display) return {};
+  const GLXContext context = glfwGetGLXContext(window_);
+  int id = 0, count = 0, visual = 0;
+  glXQueryContext(display, context, GLX_FBCONFIG_ID, &id);
+  const int wanted[] = {GLX_FBCONFIG_ID, id, 0};
+  GLXFBConfig* const all = glXChooseFBConfig(display, DefaultScreen(display), wanted, &count);
+  const GLXFBConfig config = count > 0 ? all[0] : nullptr;
+  if (all) XFree(all);
+  if (config) glXGetFBConfigAttrib(display, config, GLX_VISUAL_ID, &visual);
+  return {.display = display,
+          .config = config,
+          .context = context,
+          .drawable = glfwGetGLXWindow(window_),
+          .visual = static_cast<unsigned>(visual)};
+}
 
 #if IMGUI_VERSION_NUM >= 18700
 ImGuiKey keyOf(int key) {
@@ -112,20 +149,20 @@ Window::~Window() {
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
-  if (hidden_) glfwDestroyWindow(hidden_);
+  for (GLFWwindow* const hidden : hidden_) glfwDestroyWindow(hidden);
   glfwDestroyWindow(window_);
   glfwTerminate();
 }
 
 std::unique_ptr<GpuContext> Window::sharedContext() {
-  if (!hidden_) {
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
-    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-    hidden_ = glfwCreateWindow(1, 1, "", nullptr, window_);
-    glfwDefaultWindowHints();
-  }
-  return hidden_ ? std::make_unique<HiddenContext>(hidden_) : nullptr;
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  GLFWwindow* const hidden = glfwCreateWindow(1, 1, "", nullptr, window_);
+  glfwDefaultWindowHints();
+  if (!hidden) return nullptr;
+  hidden_.push_back(hidden);
+  return std::make_unique<HiddenContext>(hidden);
 }
 
 void Window::listen() {
@@ -189,6 +226,8 @@ glm::dvec2 Window::size_px() const {
   return {width, height};
 }
 
+void Window::resize(const glm::ivec2& size_px) { glfwSetWindowSize(window_, size_px.x, size_px.y); }
+
 glm::ivec2 Window::frameBufferSize_px() const {
   glm::ivec2 size_px;
   glfwGetFramebufferSize(window_, &size_px.x, &size_px.y);
@@ -245,15 +284,18 @@ void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, size_px.x, size_px.y, 0, kOrder, kType, bgra_.data());
 }
 
-void Texture::fill(const glm::ivec2& size_px) { fillFrom(id_, size_px_, size_px); }
+void Texture::fill(const glm::ivec2& size_px, int views) {
+  fillFrom(id_, size_px_, size_px, views);
+}
 
-void Texture::fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px) {
+void Texture::fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px,
+                       int views) {
   if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
   // Attached anew each time: another context may have written it.
   glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
   // Rows of the image start at the top, rows of the frame buffer at the bottom.
-  glBlitFramebuffer(0, 0, texture_px.x, texture_px.y, 0, size_px.y, size_px.x, 0,
+  glBlitFramebuffer(0, 0, texture_px.x / views, texture_px.y, 0, size_px.y, size_px.x, 0,
                     GL_COLOR_BUFFER_BIT, size_px == texture_px ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }

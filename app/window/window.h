@@ -30,8 +30,8 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// A context with OpenGL 4.5 whose textures the window can show. Null where the driver has none.
-  /// The window outlives its use.
+  /// Another context with OpenGL 4.5, which shares its objects with the window. Null where the
+  /// driver has none. The window outlives its use.
   std::unique_ptr<GpuContext> sharedContext();
 
   /// Waits for input, for `wake`, or for `seconds`. @return false after the window was closed
@@ -54,6 +54,7 @@ class Window {
   bool rightButton() const;  ///< true while the right mouse button is down
 
   glm::dvec2 size_px() const;
+  void resize(const glm::ivec2& size_px);
   glm::ivec2 frameBufferSize_px() const;
   glm::dvec2 cursor_px() const;
   bool hovered() const;  ///< true while the mouse is inside
@@ -69,7 +70,7 @@ class Window {
   void listen();
 
   GLFWwindow* window_ = nullptr;
-  GLFWwindow* hidden_ = nullptr;  // of the shared context
+  std::vector<GLFWwindow*> hidden_;  // of the shared contexts
   std::vector<int> keys_;
   std::vector<unsigned> typed_;
   GLFWmonitor* monitor_ = nullptr;
@@ -90,9 +91,11 @@ class Texture {
 
   /// Fills the window with the image: faster than Dear ImGui, which blends.
   /// @param size_px  of the window's frame buffer
-  void fill(const glm::ivec2& size_px);
+  /// @param views   across the image, of which the window shows the first
+  void fill(const glm::ivec2& size_px, int views = 1);
   /// The same with another texture, 8 bits a channel, rows from the top.
-  void fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px);
+  void fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px,
+                int views = 1);
 
  private:
   unsigned id_ = 0, frame_buffer_ = 0;

@@ -35,6 +35,17 @@ struct EyeField {
   bool operator==(const EyeField&) const = default;
 };
 
+/// One eye of a headset, and the display that it looks through. The head's frame and the eye's are
+/// right-handed, x right, y up; the eye looks along -z at its display's faced point.
+struct HeadsetEye {
+  glm::dvec3 position_m{0.0};                    ///< in the head's frame
+  glm::dquat head_from_eye{1.0, 0.0, 0.0, 0.0};  ///< unit; displays may be canted
+  EyeField field{};
+  bool operator==(const HeadsetEye&) const = default;
+};
+
+using HeadsetEyes = std::array<HeadsetEye, 2>;  ///< left, right
+
 enum class GazeState {
   fixation,
   saccade,
@@ -78,6 +89,8 @@ struct GazeSample {
   std::optional<double> pupil_mm{};    ///< diameter, if the recording has one in millimetres
   std::optional<double> pupil_own{};   ///< of both eyes, in the tracker's own unit (`pupil_unit`)
   bool blink = false;                  ///< the tracker itself reports a blink
+  bool inferred = false;               ///< the tracker itself did not see the eye (OpenXR)
+  bool queried = false;                ///< the time is not the tracker's, but that of a query
   bool after_pause = false;            ///< the recording was paused before this sample
   std::optional<double> confidence{};  ///< 0 to 1, if the recording has one
   std::array<EyeSample, 2> eyes{};     ///< left, right; empty if the recording has no single eyes

@@ -17,6 +17,14 @@
 
 namespace foci {
 
+/// The names of a context's parts in its window system, for libraries that draw for foci.
+struct NativeGl {
+  bool egl = false;  ///< of EGL; else of GLX
+  void *display = nullptr, *config = nullptr, *context = nullptr;
+  unsigned long drawable = 0;  ///< of GLX, as is the visual
+  unsigned visual = 0;
+};
+
 class GpuContext {
  public:
   GpuContext() = default;
@@ -28,6 +36,7 @@ class GpuContext {
   virtual bool makeCurrent() = 0;
   /// The thread has the context that it had before `makeCurrent`.
   virtual void release() = 0;
+  virtual NativeGl native() const { return {}; }
 };
 
 /// Opens contexts through EGL, which need neither a display nor a window, one after the other until

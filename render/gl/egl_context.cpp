@@ -21,6 +21,9 @@ class EglContext final : public GpuContext {
   void release() override {
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
+  NativeGl native() const override {
+    return {.egl = true, .display = display_, .context = context_};
+  }
 
  private:
   EGLDisplay display_;

@@ -88,6 +88,9 @@ unsigned GpuTexture::beginShow() {
 }
 
 void GpuTexture::endShow() {
+  const std::lock_guard lock(device_->pool_mutex);
+  // A headset and a window may show it at once: this fence follows that of the other.
+  if (storage_->shown) glWaitSync(storage_->shown, 0, GL_TIMEOUT_IGNORED);
   glDeleteSync(std::exchange(storage_->shown, glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
   glFlush();
 }

@@ -41,9 +41,9 @@ class Observer:
             raise RuntimeError("Xvfb does not answer at " + self.name)
         self.programs = []
 
-    def start(self, *command, speed=1.0):
+    def start(self, *command, speed=1.0, environment=()):
         """Starts a program on this display. Its clock runs `speed` times as fast (see fast_clock.cpp)."""
-        environment = dict(os.environ, DISPLAY=self.name, LIBGL_ALWAYS_SOFTWARE="1")
+        environment = dict(os.environ, DISPLAY=self.name, LIBGL_ALWAYS_SOFTWARE="1", **dict(environment))
         if speed != 1.0:
             environment.update(LD_PRELOAD=os.environ["FOCI_FAST_CLOCK"], FOCI_CLOCK_SPEED=str(speed))
         program = subprocess.Popen([str(word) for word in command], env=environment, text=True,

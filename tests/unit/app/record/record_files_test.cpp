@@ -50,6 +50,59 @@ TEST(RecordFiles, GazeComesBackToTheLastBit) {
   }
 }
 
+TEST(RecordFiles, HeadsComeBackToTheLastBit) {
+  const TemporaryFolder scratch;
+  const fs::path file = scratch.path() / "head.tsv";
+  std::vector<HeadRow> rows;
+  std::string text = headHeader();
+  for (int i = 0; i < 20; ++i) {
+    rows.push_back({.time_s = wholeMicroseconds(5.0 + 0.011003 * (i - 3 * (i % 2))),
+                    .of_sample = i % 2 == 1,
+                    .head = {.position_m = {0.1 / 3.0 * i, std::sqrt(2.0), -1.0 / (1.0 + i)},
+                             .world_from_head = glm::angleAxis(0.1 * i, glm::dvec3(0, 0.6, 0.8))}});
+    text += headRow(rows.back());
+  }
+  scratch.write("head.tsv", text);
+  const auto read = readHeads(file);
+  ASSERT_EQ(read.size(), rows.size());
+  std::vector<GazeSample> samples{{.time_s = 4.0}, {.time_s = rows[3].time_s}};
+  giveHeads(read, samples);
+  EXPECT_FALSE(samples[0].head);
+  ASSERT_TRUE(samples[1].head);
+  EXPECT_EQ(samples[1].head->position_m, rows[3].head.position_m);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(read[i].time_s, rows[i].time_s);
+    EXPECT_EQ(read[i].of_sample, rows[i].of_sample);
+    EXPECT_EQ(read[i].head.position_m, rows[i].head.position_m);
+    EXPECT_EQ(read[i].head.world_from_head, rows[i].head.world_from_head);
+  }
+  // The record of a killed run ends within a row.
+  scratch.write("head.tsv", text.substr(0, text.rfind('\t')));
+  EXPECT_EQ(readHeads(file).size(), rows.size() - 1);
+}
+
+TEST(RecordFiles, RefuseHeadsThatAreNone) {
+  const TemporaryFolder scratch;
+  const auto refusal = [&](const std::string& more) {
+    scratch.write("head.tsv", headHeader() + "1\tframe\t0\t0\t0\t0\t0\t0\t0\t1\n" + more);
+    try {
+      readHeads(scratch.path() / "head.tsv");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refusal("1\tsample\t0\t0\t0\t0\t0\t0\t0\t1\n"), "");
+  const auto expect = [&](const std::string& row, const char* part) {
+    const std::string said = refusal(row);
+    EXPECT_NE(said.find(part), std::string::npos) << row << said;
+    EXPECT_NE(said.find(":3"), std::string::npos) << said;
+  };
+  expect("1\tframe\t0\t0\t0\t0\t0\t0\t0\t1\n", "not before the last");
+  expect("2\tframe\t0\t0\t0\t0\t0\t0\t0\t0\n", "quaternion of length 1");
+  expect("2\tframe\t0\tx\t0\t0\t0\t0\t0\t1\n", "x");
+}
+
 TEST(RecordFiles, AFrameSaysWhichSamplesItKnew) {
   const TemporaryFolder scratch;
   const fs::path file = scratch.path() / "frames.tsv";

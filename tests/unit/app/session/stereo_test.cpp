@@ -87,7 +87,11 @@ TEST(Stereo, PutsEachEyeWhereItBelongs) {
   EXPECT_EQ(joined(StereoView::anaglyph).at(5, 2), glm::vec4(left.r, right.g, right.b, 1.0f));
 }
 
-const EyeField kLeftEye{.left_deg = 54.0, .right_deg = 40.0, .up_deg = 42.0, .down_deg = 53.0};
+const HeadsetEyes kDisplays{
+    HeadsetEye{.position_m = {-0.5 * kBetween_m, 0.0, 0.0},
+               .field = {.left_deg = 54.0, .right_deg = 40.0, .up_deg = 42.0, .down_deg = 53.0}},
+    HeadsetEye{.position_m = {0.5 * kBetween_m, 0.0, 0.0},
+               .field = {.left_deg = 40.0, .right_deg = 54.0, .up_deg = 42.0, .down_deg = 53.0}}};
 
 /// Where an eye's view shows a direction.
 glm::dvec2 shownAt_px(const EyeView& eye, double right_deg, double up_deg) {
@@ -96,8 +100,7 @@ glm::dvec2 shownAt_px(const EyeView& eye, double right_deg, double up_deg) {
 }
 
 TEST(HeadsetViews, EndWhereEachEyesFieldDoes) {
-  const auto eyes =
-      headsetViews(StereoView::side_by_side, glm::mat4(1.0f), kLeftEye, {1600, 700}, kBetween_m);
+  const auto eyes = headsetViews(StereoView::side_by_side, glm::mat4(1.0f), kDisplays, {1600, 700});
   ASSERT_EQ(eyes.size(), 2u);
   for (const int side : {0, 1}) {
     EXPECT_EQ(eyes[side].view.size_px, glm::ivec2(800, 700));
@@ -112,8 +115,7 @@ TEST(HeadsetViews, EndWhereEachEyesFieldDoes) {
 
 TEST(HeadsetViews, LookStraightAheadSideBySide) {
   // A point at infinity lies in the same direction for both; a near one is ipd / distance apart.
-  const auto eyes =
-      headsetViews(StereoView::top_bottom, glm::mat4(1.0f), kLeftEye, {800, 1400}, kBetween_m);
+  const auto eyes = headsetViews(StereoView::top_bottom, glm::mat4(1.0f), kDisplays, {800, 1400});
   const auto tangentOf = [&](int side, double distance_m) {
     const EyeView& eye = eyes[side];
     const glm::dvec2 at_px =
@@ -125,20 +127,36 @@ TEST(HeadsetViews, LookStraightAheadSideBySide) {
 }
 
 TEST(HeadsetViews, ShareOneFieldInAnAnaglyph) {
-  const auto eyes =
-      headsetViews(StereoView::anaglyph, glm::mat4(1.0f), kLeftEye, {800, 700}, kBetween_m);
+  const auto eyes = headsetViews(StereoView::anaglyph, glm::mat4(1.0f), kDisplays, {800, 700});
   EXPECT_EQ(eyes[0].view.principal_px, eyes[1].view.principal_px);
   EXPECT_EQ(eyes[0].view.focal_px, eyes[1].view.focal_px);
 }
 
 TEST(HeadsetViews, OfOneEyeAreThatEyes) {
-  const auto both =
-      headsetViews(StereoView::side_by_side, glm::mat4(1.0f), kLeftEye, {1600, 700}, kBetween_m);
-  const auto right =
-      headsetViews(StereoView::right, glm::mat4(1.0f), kLeftEye, {800, 700}, kBetween_m);
+  const auto both = headsetViews(StereoView::side_by_side, glm::mat4(1.0f), kDisplays, {1600, 700});
+  const auto right = headsetViews(StereoView::right, glm::mat4(1.0f), kDisplays, {800, 700});
   ASSERT_EQ(right.size(), 1u);
   EXPECT_EQ(right[0].view, both[1].view);
   EXPECT_EQ(right[0].corner_px, glm::ivec2(0));
+}
+
+TEST(HeadsetViews, FollowDisplaysThatAreCanted) {
+  HeadsetEyes canted = kDisplays;
+  const double cant_rad = glm::radians(5.0);  // to the left, and the eye stands lower
+  canted[0].head_from_eye = glm::angleAxis(cant_rad, glm::dvec3(0.0, 1.0, 0.0));
+  canted[0].position_m.y = -0.002;
+  const auto eyes = headsetViews(StereoView::side_by_side, glm::mat4(1.0f), canted, {1600, 700});
+  const EyeView& eye = eyes[0];
+  const glm::dvec3 p(0.1, 0.2, -1.5);
+  // What is 5 degrees to the left of straight ahead is on the display's axis.
+  const glm::dvec3 on_axis =
+      canted[0].position_m + glm::dvec3(-std::sin(cant_rad), 0.0, -std::cos(cant_rad));
+  EXPECT_NEAR(projectForEye(eye, on_axis).x, eye.view.principal_px.x, kFloat_px);
+  EXPECT_NEAR(projectForEye(eye, on_axis).y, eye.view.principal_px.y, kFloat_px);
+  // Renderers use the matrix, markers the pose: both agree.
+  const glm::vec2 rendered =
+      project(eye.view, glm::vec3(eye.view.eye_from_world * glm::vec4(glm::vec3(p), 1.0f)));
+  EXPECT_LT(glm::distance(projectForEye(eye, p), glm::dvec2(rendered)), kFloat_px);
 }
 
 }  // namespace FOCI_FILE
