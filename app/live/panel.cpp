@@ -43,7 +43,7 @@ constexpr HelpLine kHelp[] = {
     {"R", "record: begin, end"},
     {"space", "an event marker in the record"},
     {"P", "save the image to a file"},
-    {"O", "an object of interest, at the mouse"},
+    {"O", "an object of interest, at the mouse; not in a record that runs"},
     {"F2", "save the study to a file, with its objects"},
 };
 
