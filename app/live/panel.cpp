@@ -241,11 +241,10 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
       controls.toggle_record();
     }
     ImGui::SameLine();
+    if (ImGui::Button("Event marker")) controls.add_marker();
     if (ImGui::Button("Save image")) controls.screenshot();
     ImGui::SameLine();
     if (ImGui::Button("Save study")) controls.save_study();
-    ImGui::SameLine();
-    if (ImGui::Button("Event marker")) controls.add_marker();
     ImGui::Separator();
     ImGui::TextWrapped("%s", content.source.c_str());
     if (const auto& clock = content.state.reception.clock) {
