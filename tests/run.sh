@@ -75,6 +75,7 @@ cmake --preset asan -DFOCI_TESTS=ON >/dev/null
 if is_ours clang-tidy; then lint; fi
 
 export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1
+export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp:halt_on_error=1
 step "asan: build and test"
