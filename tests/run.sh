@@ -41,7 +41,7 @@ step "release: build and test"
 cmake --preset release -DFOCI_TESTS=ON \
   ${all:+-DFOCI_PYTHON=ON -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DPython_EXECUTABLE=/usr/bin/python3} >/dev/null
 cmake --build --preset release
-ctest --test-dir build/release --output-on-failure -j 3  # some wait
+ctest --test-dir build/release --output-on-failure -j 2
 if [ -z "$all" ]; then
   step "all passed (tests/run.sh --all also runs attacks, lint, sanitizers and fuzzing)"
   exit 0
@@ -49,7 +49,7 @@ fi
 
 # The tests of a program that a filter names, in eight processes: a sanitized program takes long to start.
 sanitized() {
-  seq 0 7 | xargs -P 3 -I{} env GTEST_TOTAL_SHARDS=8 GTEST_SHARD_INDEX={} "$1" --gtest_brief=1 --gtest_filter="$2"
+  seq 0 7 | xargs -P 2 -I{} env GTEST_TOTAL_SHARDS=8 GTEST_SHARD_INDEX={} "$1" --gtest_brief=1 --gtest_filter="$2"
 }
 # clang-tidy for the libraries and the program: for what changed after the commit of tests/linted, up to which it finds
 # nothing, or for all if git does not know that commit or .clang-tidy changed. The asan preset joins the sources of a
@@ -66,7 +66,7 @@ lint() {
 }
 
 step "attacks"
-python3 tests/attacks/attacks.py build/release/foci --jobs 3
+python3 tests/attacks/attacks.py build/release/foci
 
 step "lint, and beside it, since it mostly waits, the workflow on a real SLURM"
 python3 tests/batch/slurm_test.py build/release/foci &

@@ -395,7 +395,7 @@ TEST_F(Live, ARefinerCancelsWhatIsNoLongerWanted) {
   refiner.want({});
   refiner.want({other, request});
   std::optional<RenderedFrame> rendered;
-  for (int i = 0; i < 2000 && !rendered; ++i) {
+  for (int i = 0; i < 12000 && !rendered; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     rendered = refiner.take(request);
   }
