@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <ctime>
 #include <string>
 
 #include "base/input_error.h"
@@ -63,11 +63,11 @@ std::string onOneLine(int elements) {
 }
 
 TEST(TomlFile, ALongLineTakesATimeInProportionToItsLength) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   const TomlDocument document = parseToml(onOneLine(20'000), "x");
   EXPECT_EQ(document.table().at("a").as_array().size(), 20'000u);
   // Seconds; with the square of the length it would be minutes.
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  EXPECT_LT(std::clock() - start, 30 * CLOCKS_PER_SEC);
 }
 
 TEST(TomlFile, LinesOfErrorsAreThoseOfTheFile) {
