@@ -91,7 +91,7 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
           escaped(qualityText(facts.quality)) + "</p>\n";
   const Screen screen = study.screenInForce();
   if (study.display.kind == DisplayKind::headset) {
-    const EyeField field = fieldOfBothEyes(study.display.field());
+    const EyeField field = fieldOfBothEyes(study.headsetEyes());
     html += "<p>The display is a headset: both eyes see " +
             decimal(field.left_deg + field.right_deg, 0) + " &times; " +
             decimal(field.up_deg + field.down_deg, 0) + " deg of it, with " +

@@ -57,7 +57,7 @@ std::vector<EyeView> headsetViews(StereoView stereo, const glm::mat4& head_from_
   for (const int side : sidesIn(stereo)) {
     const HeadsetEye& display = displays.at(static_cast<std::size_t>(side));
     const EyeField field =
-        stereo == StereoView::anaglyph ? fieldOfBothEyes(displays[0].field) : display.field;
+        stereo == StereoView::anaglyph ? fieldOfBothEyes(displays) : display.field;
     const glm::dvec2 before(tangent(field.left_deg), tangent(field.up_deg));
     const glm::dvec2 behind(tangent(field.right_deg), tangent(field.down_deg));
     EyeView eye{

@@ -322,19 +322,13 @@ glm::ivec2 Study::imageSize_px() const {
     return screenInForce().size_px;
   }
   const EyeField field =
-      output.view == StereoView::anaglyph ? fieldOfBothEyes(display.field()) : display.field();
+      output.view == StereoView::anaglyph ? fieldOfBothEyes(headsetEyes()) : display.field();
   return viewsAcross(output.view) * headsetScreen(field, display.pixels_per_degree).size_px;
 }
 
 Screen Study::screenInForce() const {
   if (display.kind == DisplayKind::headset) {
-    const auto [left, right] = headsetEyes();
-    const EyeField &a = left.field, &b = right.field;
-    return headsetScreen({.left_deg = std::max(a.left_deg, b.left_deg),
-                          .right_deg = std::max(a.right_deg, b.right_deg),
-                          .up_deg = std::max(a.up_deg, b.up_deg),
-                          .down_deg = std::max(a.down_deg, b.down_deg)},
-                         display.pixels_per_degree);
+    return headsetScreen(fieldOfBothEyes(headsetEyes()), display.pixels_per_degree);
   }
   return {.size_px = screen.size_px, .size_m = screen.size_m, .distance_m = screen.distance_m};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace foci {
 namespace {
@@ -11,11 +12,17 @@ int evenPixels(double px) { return std::max(2 * static_cast<int>(std::lround(0.5
 }  // namespace
 
 EyeField fieldOfBothEyes(const EyeField& left_eye) {
-  const double side_deg = std::max(left_eye.left_deg, left_eye.right_deg);
-  return {.left_deg = side_deg,
-          .right_deg = side_deg,
-          .up_deg = left_eye.up_deg,
-          .down_deg = left_eye.down_deg};
+  EyeField right_eye = left_eye;
+  std::swap(right_eye.left_deg, right_eye.right_deg);
+  return fieldOfBothEyes(HeadsetEyes{{{.field = left_eye}, {.field = right_eye}}});
+}
+
+EyeField fieldOfBothEyes(const HeadsetEyes& eyes) {
+  const EyeField &a = eyes[0].field, &b = eyes[1].field;
+  return {.left_deg = std::max(a.left_deg, b.left_deg),
+          .right_deg = std::max(a.right_deg, b.right_deg),
+          .up_deg = std::max(a.up_deg, b.up_deg),
+          .down_deg = std::max(a.down_deg, b.down_deg)};
 }
 
 Screen headsetScreen(const EyeField& field, double pixels_per_degree) {

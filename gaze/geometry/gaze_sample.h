@@ -151,6 +151,7 @@ inline constexpr double kHeadsetPixelsPerDegree = 12.0;
 /// The field of an eye midway between both, which sees what either eye sees.
 /// @param left_eye  the right eye's field is its mirror image
 EyeField fieldOfBothEyes(const EyeField& left_eye);
+EyeField fieldOfBothEyes(const HeadsetEyes& eyes);
 
 /// A screen at one metre that fills the field. A plane's scale grows to the side; its middle has
 ///   R = p 180/pi pixels per tangent.
