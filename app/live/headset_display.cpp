@@ -9,6 +9,7 @@
 #include "app/live/renderer.h"
 #include "base/input_error.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
 namespace {
@@ -30,7 +31,7 @@ void HeadInScene::stand(const Study& study) {
   const glm::dvec3 up = glm::normalize(study.eye.up);
   const glm::dvec3 sight = study.eye.look_at_m.value_or(glm::dvec3(0.0, 0.0, -1.0)) - eye_m_;
   glm::dvec3 back = -(sight - glm::dot(sight, up) * up);
-  if (!(glm::length(back) > 1e-6)) back = glm::dvec3(up.y, up.z, up.x);  // it looks along up
+  if (!(glm::length(back) > 1e-6)) back = tangentTo(glm::vec3(up));  // it looks along up
   const glm::dvec3 right = glm::normalize(glm::cross(up, back));
   scene_from_facing_ = glm::quat_cast(glm::dmat3(right, up, glm::cross(right, up)));
 }
@@ -67,8 +68,7 @@ class HeadsetSource final : public LiveSource {
     // sample.
     const bool same =
         gaze->own_time && gaze->direction ? time_s <= last_s_ : gaze->direction == last_direction_;
-    const double least_s = same ? 1.0 / kGaze_Hz : 0.0;
-    if (time_s <= last_s_ || (same && time_s < last_s_ + least_s)) return;
+    if (time_s <= last_s_ || (same && time_s < last_s_ + 1.0 / kGaze_Hz)) return;
     last_s_ = time_s;
     last_direction_ = gaze->direction;
     if (gaze->direction) own_time_ = gaze->own_time;

@@ -13,7 +13,9 @@
 #include "app/study/inputs.h"
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
+#include "app/study/study_text.h"
 #include "app/study/view_remarks.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -129,17 +131,21 @@ std::future<std::string> LiveRenderer::placeObject(const glm::dvec2& point_px) {
   return post([this, point_px] {
     const auto point_m = session_->surfaceUnder_m(last_frame_s_, point_px);
     if (!point_m) throw std::runtime_error("no surface under the pointer");
-    const EyePath& path = session_->settings().path;
-    const glm::dmat4 eye_from_world(path.eyeFromWorldAt(last_frame_s_ - session_start_s_));
-    const glm::dvec3 eye_m(glm::inverse(eye_from_world)[3]);
     std::vector<NamedShape>& objects = study_.scene.objects;
-    objects.push_back(objectAt(*point_m, glm::distance(*point_m, eye_m), objects));
+    objects.push_back(objectAt(*point_m, glm::distance(*point_m, last_.eye_m), objects));
     tell(objects.back().name + " placed; F2 saves the study");
   });
 }
 
 std::future<std::string> LiveRenderer::setObjects(std::vector<NamedShape> objects) {
   return post([this, objects = std::move(objects)] { study_.scene.objects = objects; });
+}
+
+std::future<std::string> LiveRenderer::saveStudy(const std::filesystem::path& file) {
+  return post([this, file] {
+    writeText(file, annotatedStudyToml(study_, file.parent_path(), "Saved by foci live."));
+    tell("study in " + file.string());
+  });
 }
 
 std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& folder) {
@@ -534,6 +540,7 @@ void LiveRenderer::fill(LiveFrame& frame, RenderedFrame& rendered) {
   frame.on_gpu = on_gpu_;
   if (study_.output.marker) frame.markers_px = session_->gazePoints_px(frame.record);
   if (plain_.valid()) frame.image = marked(plain_, frame);
+  if (study_.scene.objects.empty()) return;
   std::vector<glm::vec3> ends_m;
   for (const NamedShape& object : study_.scene.objects) {
     const auto lines_m = linesOf(object);

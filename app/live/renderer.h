@@ -72,6 +72,8 @@ class LiveRenderer {
   std::future<std::string> placeObject(const glm::dvec2& point_px);
   /// They are the study's from now on. A record in progress keeps its own.
   std::future<std::string> setObjects(std::vector<NamedShape> objects);
+  /// Writes the study, with all changes that were asked for before.
+  std::future<std::string> saveStudy(const std::filesystem::path& file);
   /// Sets an event marker. @return its time
   double addMarker(const std::string& text);
 

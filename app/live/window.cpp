@@ -25,7 +25,6 @@
 #include "app/platform/remote_socket.h"
 #include "app/platform/warnings.h"
 #include "app/record/gaze_marker.h"
-#include "app/study/study_text.h"
 #include "app/study/study_words.h"
 #include "app/window/window.h"
 #include "base/file.h"
@@ -91,7 +90,6 @@ class LiveWindow {
   void toggle(const char* name, bool now) { change(name, now ? "false" : "true"); }
   void toggleRecord();
   void screenshot();
-  void saveStudy();
   void placeObject();
 
   LiveClock clock_;
@@ -165,7 +163,7 @@ LiveWindow::LiveWindow(const Study& asked, const LiveOptions& options,
                .toggle_record = [this] { toggleRecord(); },
                .screenshot = [this] { screenshot(); },
                .add_marker = [this] { renderer_->addMarker("panel"); },
-               .save_study = [this] { saveStudy(); }};
+               .save_study = [this] { renderer_->saveStudy(unusedName(".toml")); }};
   feed_.emplace(headset_ ? headset_->gaze(study, screen_) : openLiveSource(options.source, study),
                 clock_);
   // The scene loads while the window opens.
@@ -339,7 +337,7 @@ void LiveWindow::key(int key) {
       panel_ = !panel_;
       break;
     case GLFW_KEY_F2:
-      saveStudy();
+      controls_.save_study();
       break;
     case GLFW_KEY_O:
       placeObject();
@@ -388,16 +386,6 @@ void LiveWindow::toggleRecord() {
     renderer_->stopRecord();
   } else {
     renderer_->startRecord(unusedName(""));
-  }
-}
-
-void LiveWindow::saveStudy() {
-  const std::filesystem::path file = unusedName(".toml");
-  try {
-    writeText(file, annotatedStudyToml(renderer_->state().study, "", "Saved by foci live."));
-    renderer_->tell("study in " + file.string());
-  } catch (const std::exception& error) {
-    renderer_->tell(error.what());
   }
 }
 

@@ -179,12 +179,11 @@ std::vector<glm::dvec2> Session::linesInImage_px(double time_s,
 }
 
 std::optional<glm::dvec3> Session::surfaceUnder_m(double time_s, const glm::dvec2& point_px) const {
-  const glm::dvec3 sight_eye = lineOfSight(settings_.screen, point_px);
-  const auto distance_m =
-      surfaceDistance(time_s, sight_eye, glm::radians(settings_.focus.cone_half_angle_deg));
+  const auto distance_m = distanceUnder_m(time_s, point_px);
   if (!distance_m) return std::nullopt;
   const glm::dmat4 eye_from_world(settings_.path.eyeFromWorldAt(time_s - start_s_));
-  return glm::dvec3(glm::inverse(eye_from_world) * glm::dvec4(*distance_m * sight_eye, 1.0));
+  const glm::dvec3 p_eye = *distance_m * lineOfSight(settings_.screen, point_px);
+  return glm::dvec3(glm::inverse(eye_from_world) * glm::dvec4(p_eye, 1.0));
 }
 
 std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& direction_eye,
@@ -194,6 +193,12 @@ std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& 
   return query_.distance(glm::dvec3(world_from_eye[3]),
                          glm::normalize(glm::dmat3(world_from_eye) * direction_eye), half_angle_rad,
                          settings_.focus.coverage);
+}
+
+/// To the surface that a point of the screen shows.
+std::optional<double> Session::distanceUnder_m(double time_s, const glm::dvec2& point_px) const {
+  return surfaceDistance(time_s, lineOfSight(settings_.screen, point_px),
+                         glm::radians(settings_.focus.cone_half_angle_deg));
 }
 
 /// Where the session's screen shows at `now_s` what gaze met at `then_s`. A head that turns in
@@ -256,8 +261,7 @@ FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
                      .method = {},
                      .stats = {}};
   EyeNow& eye = record.eye;
-  eye.surface_distance_m = surfaceDistance(time_s, lineOfSight(settings_.screen, point_px),
-                                           glm::radians(settings_.focus.cone_half_angle_deg));
+  eye.surface_distance_m = distanceUnder_m(time_s, point_px);
   const AccommodationSettings accommodation = accommodationOf(settings_);
   if (eye.surface_distance_m) eye.target_D = 1.0 / *eye.surface_distance_m;
   eye.focus_D =
@@ -270,7 +274,6 @@ FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
 std::optional<glm::dvec2> Session::middleSurface_px(double time_s) const {
   constexpr int kRings = 8, kPoints = 16;
   const glm::dvec2 middle_px = 0.5 * glm::dvec2(settings_.screen.size_px);
-  const double cone_rad = glm::radians(settings_.focus.cone_half_angle_deg);
   for (int ring = 0; ring <= kRings; ++ring) {
     std::optional<glm::dvec2> nearest_px;
     double nearest_m = std::numeric_limits<double>::infinity();
@@ -279,8 +282,7 @@ std::optional<glm::dvec2> Session::middleSurface_px(double time_s) const {
       const glm::dvec2 point_px =
           middle_px *
           (1.0 + static_cast<double>(ring) / kRings * glm::dvec2(std::cos(angle), std::sin(angle)));
-      const auto distance_m =
-          surfaceDistance(time_s, lineOfSight(settings_.screen, point_px), cone_rad);
+      const auto distance_m = distanceUnder_m(time_s, point_px);
       if (!distance_m || *distance_m >= nearest_m) continue;
       nearest_m = *distance_m;
       nearest_px = point_px;

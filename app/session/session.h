@@ -145,6 +145,7 @@ class Session {
   std::vector<EyeView> viewsAt(double time_s) const;
   std::optional<double> surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                         double half_angle_rad) const;
+  std::optional<double> distanceUnder_m(double time_s, const glm::dvec2& point_px) const;
   Quality qualityOf(const FrameRecord& record, const EyeView& eye) const;
   glm::vec2 inView_px(const glm::dvec2& point_px, const EyeView& eye) const;
   void addField(const FrameRecord& record, const EyeView& eye, Defocus& defocus) const;
