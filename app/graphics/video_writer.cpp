@@ -13,64 +13,31 @@
 #include "app/platform/machine.h"
 #include "app/platform/shell.h"
 #include "base/file.h"
+#include "base/media.h"
 #include "base/parallel.h"
 #include "base/text.h"
 
-#ifdef FOCI_VIDEO
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
-#endif
-
 namespace foci {
 
-#ifdef FOCI_VIDEO
-constexpr const char* kNoEncoder = "OpenCV's ffmpeg has no encoder for it";
-
-class VideoEncoder {
- public:
-  bool open(const std::filesystem::path& file, const glm::ivec2& size_px, double fps) {
-    const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
-    // libx264 takes as many threads as the thread that opens it has cores, and writes their number
-    // into the file. OpenCV passes it no other number.
-    const OneCore one_core;
-    return writer_.open(file.string(), cv::CAP_FFMPEG, h264, fps, {size_px.x, size_px.y});
-  }
-  bool write(Image& image) {
-    cv::cvtColor(cv::Mat(image.size_px.y, image.size_px.x, CV_8UC3, image.rgb.data()), bgr_,
-                 cv::COLOR_RGB2BGR);
-    writer_.write(bgr_);
-    return true;
-  }
-  void close() { writer_.release(); }
-
- private:
-  cv::VideoWriter writer_;
-  cv::Mat bgr_;
-};
-#else
-constexpr const char* kNoEncoder = "install the program ffmpeg, with libx264";
+namespace {
 
 /// Pipes the frames to the program ffmpeg.
-class VideoEncoder {
+class PipeEncoder : public VideoEncoder {
  public:
-  bool open(const std::filesystem::path& file, const glm::ivec2& size_px, double fps) {
+  bool open(const std::string& file, int columns, int rows, double fps) override {
     if (std::system("ffmpeg -hide_banner -encoders 2>/dev/null | grep -q libx264") != 0)
       return false;
-    const std::string size = std::to_string(size_px.x) + "x" + std::to_string(size_px.y);
-    return pipe_.open("exec ffmpeg -loglevel quiet -y -f rawvideo -pix_fmt rgb24 -s " + size +
-                      " -r " + exactText(fps) +
-                      " -i - -c:v libx264 -threads 1 -pix_fmt yuv420p -f mp4 " +
+    return pipe_.open("exec ffmpeg -loglevel quiet -y -f rawvideo -pix_fmt rgb24 -s " +
+                      std::to_string(columns) + "x" + std::to_string(rows) + " -r " +
+                      exactText(fps) + " -i - -c:v libx264 -threads 1 -pix_fmt yuv420p -f mp4 " +
                       shellWord(std::filesystem::absolute(file).string()));
   }
-  bool write(Image& image) { return pipe_.write(image.rgb.data(), image.rgb.size()); }
-  void close() { pipe_.close(); }
+  bool write(std::span<std::uint8_t> rgb) override { return pipe_.write(rgb.data(), rgb.size()); }
+  void close() override { pipe_.close(); }
 
  private:
   ShellPipe pipe_;
 };
-#endif
-
-namespace {
 
 constexpr std::size_t kMaxWaiting = 4;
 
@@ -78,7 +45,9 @@ constexpr std::size_t kMaxWaiting = 4;
 /// so a small write meets a full disk, too.
 std::string whyNotOpened(const std::filesystem::path& file) {
   constexpr std::size_t kProbe_B = 64 << 10;
-  std::string why = "cannot write H.264 video to " + file.string() + ": " + kNoEncoder;
+  std::string why = "cannot write H.264 video to " + file.string() + ": " +
+                    (media() ? "OpenCV's ffmpeg has no encoder for it"
+                             : "install the program ffmpeg, with libx264");
   try {
     writeText(file, std::string(kProbe_B, '\0'));
   } catch (const std::runtime_error& error) {
@@ -93,7 +62,8 @@ std::string whyNotOpened(const std::filesystem::path& file) {
 
 struct VideoWriter::Worker {
   std::string file;
-  VideoEncoder encoder;
+  std::unique_ptr<VideoEncoder> encoder =
+      media() ? media()->newEncoder() : std::make_unique<PipeEncoder>();
   std::mutex mutex;
   std::condition_variable changed;
   std::deque<Image> waiting;
@@ -104,7 +74,7 @@ struct VideoWriter::Worker {
   /// @return false if encoding fails
   bool encode(Image& image) {
     try {
-      return encoder.write(image);
+      return encoder->write(image.rgb);
     } catch (const std::exception&) {
       return false;
     }
@@ -136,7 +106,7 @@ struct VideoWriter::Worker {
       changed.notify_all();
       thread.join();
     }
-    encoder.close();
+    encoder->close();
   }
 
   [[noreturn]] void fail() const {
@@ -172,7 +142,14 @@ bool isWholeMp4(const std::filesystem::path& file) {
 VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& size_px, double fps)
     : worker_(std::make_unique<Worker>()) {
   worker_->file = file.string();
-  if (!worker_->encoder.open(file, size_px, fps)) throw std::runtime_error(whyNotOpened(file));
+  {
+    // libx264 takes as many threads as the thread that opens it has cores, and writes their number
+    // into the file. OpenCV passes it no other number.
+    const OneCore one_core;
+    if (!worker_->encoder->open(worker_->file, size_px.x, size_px.y, fps)) {
+      throw std::runtime_error(whyNotOpened(file));
+    }
+  }
   if (maxThreads() > 1) {
     worker_->thread = std::thread([worker = worker_.get()] { worker->run(); });
   }

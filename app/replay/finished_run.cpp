@@ -4,12 +4,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "app/platform/sha256.h"
 #include "app/study/study_text.h"
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/media.h"
 
 namespace foci {
 namespace {
@@ -121,14 +121,17 @@ std::vector<Image> videoFrames(const std::filesystem::path& folder,
                                const std::vector<std::size_t>& wanted) {
   const std::filesystem::path video = folder / "video.mp4";
   requireRegularFile(video);
-#ifdef FOCI_VIDEO
+  const auto reader = media() ? media()->newReader() : nullptr;
+  if (!reader || !reader->open(video.string())) {
+    throw InputError(video.string(), "not a video that can be read" + withoutMedia());
+  }
   std::vector<Image> frames;
-  cv::VideoCapture capture(video.string());
   cv::Mat bgr;
   std::size_t next = 0;
   for (const std::size_t number : wanted) {
     for (; next <= number; ++next) {
-      if (!capture.read(bgr)) throw InputError(video.string(), "ends before the tables do");
+      if (!reader->grab() || !reader->retrieve(bgr))
+        throw InputError(video.string(), "ends before the tables do");
     }
     Image image{.size_px = {bgr.cols, bgr.rows}, .rgb = {}};
     cv::Mat rgb;
@@ -137,10 +140,6 @@ std::vector<Image> videoFrames(const std::filesystem::path& folder,
     frames.push_back(std::move(image));
   }
   return frames;
-#else
-  throw InputError(video.string(), "this foci was built without videos (FOCI_VIDEO), where " +
-                                       std::to_string(wanted.size()) + " frames are");
-#endif
 }
 
 }  // namespace foci

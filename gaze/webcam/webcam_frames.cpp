@@ -5,32 +5,18 @@
 #include <cmath>
 #include <fstream>
 #include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <regex>
 #include <vector>
 
 #include "base/image_codec.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
+#include "base/media.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
 
 namespace foci {
-
-#ifdef FOCI_VIDEO
-using VideoCapture = cv::VideoCapture;
-#else
-/// In place of OpenCV's.
-struct VideoCapture {
-  bool open(auto&&...) { return false; }
-  bool grab() { return false; }
-  bool retrieve(cv::Mat&) { return false; }
-  double get(int) const { return 0.0; }
-  static bool waitAny(auto&&...) { return false; }
-};
-#endif
 
 namespace {
 
@@ -38,25 +24,15 @@ constexpr std::string_view kPrefix = "webcam";
 constexpr int kMinSide_px = 120, kMaxSide_px = 8192;
 constexpr int kMaxDevices = 64;
 
-#ifdef FOCI_VIDEO
-constexpr const char* kLacking = "";
-
-bool isImage(const std::filesystem::path& file) { return cv::haveImageReader(file.string()); }
-
-cv::Mat decoded(const std::filesystem::path& file) {
-  return cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
-}
-#else
-constexpr const char* kLacking =
-    "; this foci was built for images alone: build it with cameras and videos (FOCI_VIDEO)";
-
 bool isImage(const std::filesystem::path& file) {
+  if (media()) return media()->isImage(file.string());
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return false;
   return statedImageSize(MappedFile(file).bytes()).has_value();
 }
 
 cv::Mat decoded(const std::filesystem::path& file) {
+  if (media()) return media()->readImage(file.string());
   auto image = decodeImage(MappedFile(file).bytes());
   if (!image) return {};
   cv::Mat bgr;
@@ -64,7 +40,6 @@ cv::Mat decoded(const std::filesystem::path& file) {
                cv::COLOR_RGBA2BGR);
   return bgr;
 }
-#endif
 
 /// FFmpeg would take text for a film of a terminal.
 bool isText(const std::filesystem::path& file) {
@@ -108,7 +83,7 @@ cv::Mat readPhotograph(const std::filesystem::path& file) {
 }
 
 struct WebcamFrames::Capture {
-  std::vector<VideoCapture> captures{1};  // one; VideoCapture::waitAny takes a vector
+  std::unique_ptr<VideoReader> video = media() ? media()->newReader() : nullptr;
   cv::Mat image;
   cv::Size size;
 };
@@ -136,12 +111,12 @@ std::string nameOf(const WebcamPlace& place) {
 WebcamFrames::WebcamFrames(const WebcamPlace& place)
     : place_(place), capture_(std::make_unique<Capture>()) {
   const QuietLibrary quiet;
-  VideoCapture& capture = capture_->captures.front();
+  VideoReader* const video = capture_->video.get();
   if (place.device) {
     const std::string node = "/dev/video" + std::to_string(*place.device);
-    if (!std::filesystem::exists(node) || !capture.open(*place.device, cv::CAP_V4L2)) {
+    if (!std::filesystem::exists(node) || !video || !video->openCamera(*place.device)) {
       throw InputError("webcam:" + std::to_string(*place.device),
-                       std::string("no camera that can be opened") + kLacking);
+                       "no camera that can be opened" + withoutMedia());
     }
   } else {
     const std::string name = place.file.string();
@@ -161,12 +136,12 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
     requireRegularFile(place.file);
     images_ = isPattern() || isImage(name);
     if (images_) return;
-    if (!exists || isText(place.file) || !capture.open(name, cv::CAP_FFMPEG)) {
-      throw InputError(name, std::string("not a video or image that can be read") + kLacking);
+    if (!exists || isText(place.file) || !video || !video->open(name)) {
+      throw InputError(name, "not a video or image that can be read" + withoutMedia());
     }
-    stated_ = capture.get(cv::CAP_PROP_FRAME_COUNT);
+    stated_ = video->frames();
   }
-  const double rate_Hz = capture.get(cv::CAP_PROP_FPS);
+  const double rate_Hz = video->rate_Hz();
   if (rate_Hz >= 5.0 && rate_Hz <= 1000.0) rate_Hz_ = rate_Hz;
 }
 
@@ -196,11 +171,11 @@ bool WebcamFrames::grab() {
     last_s_ = static_cast<double>(count_++) / rate_Hz_;
     return grabbed_ = true;
   }
-  VideoCapture& capture = capture_->captures.front();
-  grabbed_ = capture.grab();
+  VideoReader& video = *capture_->video;
+  grabbed_ = video.grab();
   if (!grabbed_ || isCamera()) return grabbed_;
   constexpr double kRounding_s = 2e-3;  // stamps are often whole milliseconds
-  const double stamp_s = 1e-3 * capture.get(cv::CAP_PROP_POS_MSEC);
+  const double stamp_s = video.time_s();
   if (!first_stamp_s_) first_stamp_s_ = stamp_s;
   const double since_s = stamp_s - *first_stamp_s_;
   const bool later = !last_s_ || since_s > *last_s_;
@@ -217,19 +192,12 @@ std::optional<double> WebcamFrames::nextTime_s() {
 
 bool WebcamFrames::next(cv::Mat& frame) {
   const QuietLibrary quiet;
-  VideoCapture& capture = capture_->captures.front();
-  if (isCamera()) {
-    std::vector<int> ready;
-    constexpr int kAtOnce_ns = 1;
-    if (!VideoCapture::waitAny(capture_->captures, ready, kAtOnce_ns) || ready.empty()) {
-      return false;
-    }
-  }
+  if (isCamera() && !capture_->video->hasFrame()) return false;
   if (!grab()) return false;
   grabbed_ = false;
   if (images_) {
     capture_->image = readPhotograph(image(count_ - 1));
-  } else if (!capture.retrieve(capture_->image) || capture_->image.empty()) {
+  } else if (!capture_->video->retrieve(capture_->image) || capture_->image.empty()) {
     return false;
   }
   const cv::Mat& image = capture_->image;

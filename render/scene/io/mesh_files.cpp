@@ -11,16 +11,12 @@
 #include "base/file.h"
 #include "base/image_codec.h"
 #include "base/input_error.h"
+#include "base/media.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_document.h"
 #include "render/scene/io/obj.h"
 #include "render/scene/io/ply_items.h"
-
-#ifdef FOCI_BMP_TIFF
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#endif
 
 namespace foci {
 namespace {
@@ -37,31 +33,6 @@ std::vector<unsigned char> imageBytes(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
-
-#ifdef FOCI_BMP_TIFF
-/// A BMP, TIFF or another format that OpenCV knows; nothing if it cannot be read.
-std::optional<DecodedImage> decodeByOpenCv(std::span<const unsigned char> bytes) {
-  try {
-    const cv::Mat header(1, static_cast<int>(bytes.size()), CV_8U,
-                         const_cast<unsigned char*>(bytes.data()));
-    cv::Mat read = cv::imdecode(header, cv::IMREAD_UNCHANGED);
-    if (read.empty() || (read.depth() != CV_8U && read.depth() != CV_16U)) return std::nullopt;
-    read.convertTo(read, CV_8U, read.depth() == CV_16U ? 1.0 / 257.0 : 1.0);
-    const int channels = read.channels();
-    if (channels == 2) return std::nullopt;
-    cv::cvtColor(read, read,
-                 channels == 1   ? cv::COLOR_GRAY2RGBA
-                 : channels == 3 ? cv::COLOR_BGR2RGBA
-                                 : cv::COLOR_BGRA2RGBA);
-    return DecodedImage{
-        .columns = read.cols, .rows = read.rows, .rgba = {read.datastart, read.dataend}};
-  } catch (const cv::Exception&) {
-    return std::nullopt;
-  }
-}
-#else
-std::optional<DecodedImage> decodeByOpenCv(std::span<const unsigned char>) { return std::nullopt; }
-#endif
 
 /// See `MeshTextures::read`. The grey is the luma of ITU-R BT.601.
 DecodedImage maskOf(DecodedImage image) {
@@ -183,7 +154,7 @@ std::optional<DecodedImage> MeshTextures::decoded(std::span<const unsigned char>
     budget_.take(size->columns * size->rows, kPixelBytes, "its textures");
   }
   auto image = decodeImage(bytes);
-  if (!image) image = decodeByOpenCv(bytes);
+  if (!image && media()) image = media()->decodeImage(bytes);
   if (image && image->total() > kMaxImagePixels) return std::nullopt;
   if (image && !size) budget_.take(image->total(), kPixelBytes, "its textures");
   return image;
