@@ -116,10 +116,18 @@ bool readTobiiStudioLine(const LineReader& lines, std::string_view line, TablePr
 }
 
 /// The first line that is not blank, no comment (#) and no line `sep=;`; empty if there is none.
-std::string headerIn(LineReader& lines, TablePreamble& preamble) {
+/// @param of_recording  the lines before it may describe a recording
+std::string headerIn(LineReader& lines, TablePreamble& preamble, bool of_recording) {
   std::string_view line;
   while (lines.next(line)) {
     if (readSeparatorLine(line, preamble)) continue;
+    preamble.tobii_studio |= of_recording && line.starts_with("System Properties:");
+    if (preamble.tobii_studio && readTobiiStudioLine(lines, line, preamble)) continue;
+    if (of_recording && line.starts_with("##")) {
+      readSmi(lines, line, preamble);
+    } else if (of_recording && line.starts_with('#')) {
+      readKeys(lines, line, preamble);
+    }
     if (!trimmed(line).empty() && line.front() != '#') return std::string(line);
   }
   return {};
@@ -187,19 +195,7 @@ std::string Rows::hint() const {
 
 TextRows::TextRows(LineReader& lines) : lines_(lines) {
   source_ = lines.fileName();
-  std::string_view line;
-  while (header_.empty() && lines_.next(line)) {
-    if (readSeparatorLine(line, before_)) continue;
-    before_.tobii_studio |= line.starts_with("System Properties:");
-    if (before_.tobii_studio && readTobiiStudioLine(lines_, line, before_)) continue;
-    if (line.starts_with("##")) {
-      readSmi(lines_, line, before_);
-    } else if (line.starts_with('#')) {
-      readKeys(lines_, line, before_);
-    } else if (!trimmed(line).empty()) {
-      header_ = line;
-    }
-  }
+  header_ = headerIn(lines_, before_, true);
   if (header_.empty()) throw InputError(source_, "empty: expected a header line and samples");
   takeNames();
 }
@@ -286,7 +282,7 @@ InputError TextRows::error(const std::string& what) const {
 NamedTable::NamedTable(const std::filesystem::path& file, std::string expected, bool may_be_cut)
     : lines_(file), expected_(std::move(expected)), may_be_cut_(may_be_cut) {
   TablePreamble before;
-  const std::string header = headerIn(lines_, before);
+  const std::string header = headerIn(lines_, before, false);
   if (header.empty()) throw InputError(fileName(), "empty: expected " + expected_);
   rows_.emplace(lines_, before, header);
   commas_ = CommaNumbers(rows_->delimiter());
