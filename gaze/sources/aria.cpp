@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "gaze/sources/recording_formats.h"
+#include "gaze/sources/space_layout.h"
 
 namespace foci {
 namespace {
@@ -135,8 +136,7 @@ TraceHeader readAria(const RecordingFile& file, const Screen&, const TakeSample&
     if (!sample.head) {
       ++lost;
       sample.point_px.reset();
-      sample.direction.reset();
-      for (EyeSample& eye : sample.eyes) eye.direction.reset();
+      loseGaze(sample);
     }
     take(sample);
   });

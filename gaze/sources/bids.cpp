@@ -182,10 +182,8 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
   }
   LineReader lines(file);
   TablePreamble before{.screen = metadata.screen()};
-  const auto rate = metadata.physio.find("SamplingFrequency");
-  if (rate != metadata.physio.end() && rate->is_number()) before.rate_Hz = rate->get<double>();
-  const double rate_Hz = before.rate_Hz.value_or(0.0);
-  if (!(rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz)) before.rate_Hz.reset();
+  const double rate_Hz = metadata.number("SamplingFrequency").value_or(0.0);
+  if (rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz) before.rate_Hz = rate_Hz;
   TextRows rows(lines, before, names);
   rows.skipNames();
   rows.survey(1, [&] {
@@ -266,11 +264,7 @@ TraceHeader readBothEyes(const fs::path& file, const BidsMetadata& metadata, con
                          const Screen& fallback_screen, const TakeSample& take) {
   const auto side = sideOf(metadata), other_side = sideOf(of_other);
   if (!side || !other_side || *side == *other_side) {
-    throw InputError((side && other_side ? of_other
-                      : side             ? of_other
-                                         : metadata)
-                         .files.back()
-                         .string(),
+    throw InputError((side ? of_other : metadata).files.back().string(),
                      "RecordedEye: expected left in one and right in the other of two eyes' files");
   }
   OtherEye other_eye(other, of_other, described, fallback_screen);
@@ -360,9 +354,7 @@ std::vector<TraceTrial> trialsOf(const fs::path& events) {
 void addTrials(const BidsMetadata& metadata, double first_s, double last_s, TraceHeader& header) {
   if (!metadata.events) return;
   std::vector<TraceTrial> trials = trialsOf(*metadata.events);
-  const auto start = metadata.physio.find("StartTime");
-  const bool stated = start != metadata.physio.end() && start->is_number();
-  const double task_s = first_s - (stated ? start->get<double>() : 0.0);
+  const double task_s = first_s - metadata.number("StartTime").value_or(0.0);
   const auto anyWithin = [&](double from_s) {
     return std::ranges::any_of(trials, [&](const TraceTrial& trial) {
       return trial.first_s + from_s <= last_s && trial.last_s + from_s > first_s;

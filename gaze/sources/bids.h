@@ -25,7 +25,9 @@ struct BidsMetadata {
   std::optional<std::filesystem::path> messages{};  ///< `_physioevents.tsv.gz` of the recording
   nlohmann::ordered_json physioevents{};            ///< of `messages`
 
-  /// Of a key of `physio`; empty if it is no text.
+  /// Of a key of `physio`; absent if it is no number.
+  std::optional<double> number(const char* key) const;
+  /// The same; empty if it is no text.
   std::string text(const char* key) const;
   /// What StimulusPresentation states of the screen.
   Screen screen() const;

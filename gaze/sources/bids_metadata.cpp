@@ -63,7 +63,7 @@ std::vector<fs::path> foldersOf(const fs::path& file) {
 /// fewer parts come first.
 std::vector<fs::path> filesIn(const fs::path& folder, std::string_view ending,
                               const std::vector<std::string>& parts) {
-  std::vector<std::pair<std::size_t, fs::path>> found;
+  std::vector<fs::path> files;
   std::error_code unreadable;
   for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
     const std::string name = entry.path().filename().string();
@@ -76,12 +76,11 @@ std::vector<fs::path> filesIn(const fs::path& folder, std::string_view ending,
     const bool applies = std::ranges::all_of(own, [&](const std::string& part) {
       return std::ranges::find(parts, part) != parts.end();
     });
-    if (applies) found.emplace_back(own.size(), entry.path());
+    if (applies) files.push_back(entry.path());
   }
-  std::ranges::sort(found);
-  std::vector<fs::path> files;
-  files.reserve(found.size());
-  for (auto& [count, path] : found) files.push_back(std::move(path));
+  std::ranges::sort(files, {}, [](const fs::path& file) {
+    return std::pair(std::ranges::count(file.filename().string(), '_'), file);
+  });
   return files;
 }
 
@@ -99,6 +98,12 @@ glm::dvec2 pairIn(const Json& json, const char* key, double low, double high) {
   return result;
 }
 
+std::optional<double> bidsNumber(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_number() ? std::optional(found->get<double>())
+                                                   : std::nullopt;
+}
+
 /// The name without its folder and without _physio.tsv or _physio.tsv.gz; nothing for another one.
 std::optional<std::string> stemOf(const fs::path& file) {
   const std::string name = file.filename().string();
@@ -110,6 +115,10 @@ std::optional<std::string> stemOf(const fs::path& file) {
 
 }  // namespace
 
+std::optional<double> BidsMetadata::number(const char* key) const {
+  return bidsNumber(physio, key);
+}
+
 std::string BidsMetadata::text(const char* key) const {
   const auto found = physio.find(key);
   return found != physio.end() && found->is_string() ? found->get<std::string>() : std::string();
@@ -120,11 +129,8 @@ Screen BidsMetadata::screen() const {
   if (!stimulus.is_object()) return screen;
   screen.size_px = glm::ivec2(pairIn(stimulus, "ScreenResolution", 16, 16384));
   screen.size_m = pairIn(stimulus, "ScreenSize", 0.01, 20.0);
-  const auto distance = stimulus.find("ScreenDistance");
-  if (distance != stimulus.end() && distance->is_number()) {
-    const double distance_m = distance->get<double>();
-    if (distance_m >= 0.01 && distance_m <= 20.0) screen.distance_m = distance_m;
-  }
+  const double distance_m = bidsNumber(stimulus, "ScreenDistance").value_or(0.0);
+  if (distance_m >= 0.01 && distance_m <= 20.0) screen.distance_m = distance_m;
   return screen;
 }
 
@@ -147,17 +153,14 @@ std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {
   BidsMetadata metadata{.physio = Json::object(), .physioevents = Json::object()};
   bool any = false;
   const auto parts = partsOf(*stem);
-  Json older;  // of `_physio.json`
   for (const fs::path& folder : foldersOf(file)) {
     for (fs::path& path : filesIn(folder, "physio.json", parts)) {
-      const Json json = readJson(path);
-      for (const auto& [key, value] : json.items()) metadata.physio[key] = value;
+      metadata.physio.update(readJson(path));
       metadata.files.push_back(std::move(path));
       any = true;
     }
     for (const fs::path& path : filesIn(folder, "physioevents.json", parts)) {
-      const Json json = readJson(path);
-      for (const auto& [key, value] : json.items()) metadata.physioevents[key] = value;
+      metadata.physioevents.update(readJson(path));
     }
     for (fs::path& path : filesIn(folder, "events.tsv", parts)) metadata.events = std::move(path);
     for (fs::path& path : filesIn(folder, "events.json", parts)) {

@@ -131,6 +131,15 @@ std::string keysOf(std::string_view pattern, std::size_t side, char axis) {
   return keys;
 }
 
+std::string listOf(const std::vector<std::string>& values) {
+  constexpr std::size_t kMaxListed = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(values.size(), kMaxListed); ++i) {
+    text += (i == 0 ? "" : ", ") + shown(values[i]);
+  }
+  return values.size() > kMaxListed ? text + ", ..." : text;
+}
+
 bool isWordOf(std::string_view words, std::string_view word) {
   for (std::size_t at = words.find(word); !word.empty() && at != words.npos;
        at = words.find(word, at + 1)) {
@@ -175,7 +184,11 @@ std::optional<std::array<std::size_t, 3>> ColumnNames::findTriple(std::string_vi
   return columns;
 }
 
-std::size_t ColumnNames::named(const std::string& name) const {
+bool ColumnNames::isNamed(std::size_t column) const {
+  return std::ranges::find(named_, column) != named_.end();
+}
+
+std::size_t ColumnNames::at(const std::string& name) const {
   const auto found = std::find(texts_.begin(), texts_.end(), name);
   if (found != texts_.end()) return static_cast<std::size_t>(found - texts_.begin());
   if (name.starts_with('#')) {
@@ -224,15 +237,11 @@ bool ColumnNames::mayBe(Meaning meaning, std::size_t column) const {
 /// The names of the wanted columns, up to six.
 template <class Wanted>
 std::string ColumnNames::listed(const Wanted& wanted) const {
-  constexpr std::size_t kMaxListed = 6;
-  std::string text;
-  std::size_t count = 0;
+  std::vector<std::string> names;
   for (std::size_t i = 0; i < texts_.size(); ++i) {
-    if (!wanted(i)) continue;
-    if (count++ == kMaxListed) return text + ", ...";
-    text += (text.empty() ? "" : ", ") + shown(texts_[i]);
+    if (wanted(i)) names.emplace_back(texts_[i]);
   }
-  return text;
+  return listOf(names);
 }
 
 /// What a table is that has no samples of gaze as its rows; empty if that cannot be told.

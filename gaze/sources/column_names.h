@@ -15,6 +15,9 @@ namespace foci {
 /// Whether a text, of words with blanks between them, has a word.
 bool isWordOf(std::string_view words, std::string_view word);
 
+/// "a", "b", "c"; the first six.
+std::string listOf(const std::vector<std::string>& values);
+
 /// The keys of one eye and one axis. In a pattern, EYE is "left" or "right", E is "l" or "r", and A
 /// is the axis.
 std::string keysOf(std::string_view pattern, std::size_t side, char axis = 'x');
@@ -59,7 +62,10 @@ class ColumnNames {
 
   /// The column with exactly this name, or with this number ("#1" is the first).
   /// @throws InputError that names the nearest column
-  std::size_t named(const std::string& name) const;
+  std::size_t at(const std::string& name) const;
+  /// The same for a column of time, gaze or head: `isNamed` remembers it.
+  std::size_t named(const std::string& name) const { return named_.emplace_back(at(name)); }
+  bool isNamed(std::size_t column) const;
 
   /// @throws InputError if another column has the same name, so that the choice is ambiguous
   void refuseTwin(std::size_t column) const;
@@ -91,6 +97,7 @@ class ColumnNames {
   const Place& place_;
   std::vector<std::string_view> texts_;
   std::vector<Name> names_{};
+  mutable std::vector<std::size_t> named_{};
 };
 
 }  // namespace foci

@@ -2,7 +2,6 @@
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <utility>
 
@@ -11,27 +10,6 @@
 
 namespace foci {
 namespace {
-
-/// The columns that the study names.
-std::vector<std::string> namesIn(const TraceColumns& given) {
-  std::vector<std::string> all{given.time,  given.x,     given.y,
-                               given.pupil, given.blink, given.confidence};
-  const auto add = [&](const auto&... lists) {
-    (all.insert(all.end(), lists.begin(), lists.end()), ...);
-  };
-  const auto addSight = [&](const SightColumns& sight) {
-    add(sight.direction, sight.angles, sight.quaternion, sight.point, sight.origin);
-  };
-  const SpaceColumns& space = given.space;
-  add(space.head_position, space.head_quaternion, space.head_angles, space.head_euler);
-  addSight(space.both);
-  for (const std::size_t side : {0, 1}) {
-    const TraceColumns::Eye& eye = given.eyes[side];
-    add(std::array{eye.x, eye.y, eye.pupil});
-    addSight(space.eyes[side]);
-  }
-  return all;
-}
 
 class Roles {
  public:
@@ -150,23 +128,15 @@ std::vector<ColumnRole> rolesOf(const TableLayout& layout, const TraceColumns& g
   return Roles(layout, given).take();
 }
 
-std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout,
-                                      const TraceColumns& given) {
+std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout) {
   std::vector<ColumnReading> readings;
-  const std::vector<std::string> given_names = namesIn(given);
-  const auto isNamed = [&](std::size_t column) {
-    return std::ranges::any_of(given_names, [&](const std::string& name) {
-      return !name.empty() &&
-             (name == names.text(column) || name == "#" + std::to_string(column + 1));
-    });
-  };
   for (std::size_t i = 0; i < names.size(); ++i) {
     ColumnReading reading{.columns = layout.headless ? "#" + std::to_string(i + 1)
                                                      : std::string(names.text(i))};
     const auto role = std::ranges::find(layout.roles, i, &ColumnRole::column);
     if (role != layout.roles.end()) {
       reading.meaning = role->meaning;
-      reading.why = isNamed(i) ? "the study states it"
+      reading.why = names.isNamed(i) ? "the study states it"
                     : !layout.lacks.empty()
                         ? "likely: a column of " + layout.format + ", which lacks " + layout.lacks
                     : !layout.isPlain()     ? "certain: a column of " + layout.format

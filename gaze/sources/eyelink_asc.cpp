@@ -309,8 +309,7 @@ class AscReader {
 
   /// The flags behind the values have three characters for one eye and five for two.
   void requireStatedEyes(std::string_view line, int eyes) const {
-    std::vector<std::string_view> words;
-    splitWords(line, words);
+    const auto words = wordsOf(line);
     const auto flags = std::ranges::find_if(words, [](std::string_view word) {
       return (word.size() == 3 || word.size() == 5) && word.find_first_not_of(".CRI") == word.npos;
     });
@@ -402,8 +401,7 @@ class AscReader {
 /// A sample: an integer time, numbers, and flags such as "..." or ".C.".
 bool isEyeLinkSample(std::string_view line) {
   constexpr std::size_t kFewest = 5;
-  std::vector<std::string_view> words;
-  splitWords(line, words);
+  const auto words = wordsOf(line);
   return words.size() >= kFewest && line.find('\t') != line.npos &&
          parseInteger<std::uint64_t>(words.front()) && words.back().size() >= 3 &&
          words.back().find_first_not_of(".CRIML") == std::string_view::npos;

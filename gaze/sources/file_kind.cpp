@@ -18,8 +18,10 @@ struct Magic {
   std::string_view bytes;
   const char* kind;
   const char* advice;
+  std::size_t at = 0;
 };
 
+constexpr const char* kVideo = "for a video of a face use webcam:FILE";
 constexpr const char* kExportTable = "export a table as text (TSV or CSV)";
 constexpr const char* kNoGaze = "expected a recording of gaze as text (TSV, CSV, ASC)";
 
@@ -52,8 +54,8 @@ constexpr Magic kMagics[] = {
     {"%PDF"sv, "a PDF document", kNoGaze},
     {"\x89PNG"sv, "a PNG image", kNoGaze},
     {"\xff\xd8\xff"sv, "a JPEG image", kNoGaze},
-    {"RIFF"sv, "a video or sound file", "for a video of a face use webcam:FILE"},
-    {"\x1a\x45\xdf\xa3"sv, "a Matroska video", "for a video of a face use webcam:FILE"},
+    {"RIFF"sv, "a video or sound file", kVideo},
+    {"\x1a\x45\xdf\xa3"sv, "a Matroska video", kVideo},
     {"\xff\xfe"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
     {"\xfe\xff"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
     {"<?xml"sv, "an XML file", kExportTable},
@@ -63,9 +65,8 @@ constexpr Magic kMagics[] = {
      "a program", kNoGaze},
     {"ply\n"sv, "a scene (PLY)", "give it as --scene; a recording holds gaze"},
     {"ply\r"sv, "a scene (PLY)", "give it as --scene; a recording holds gaze"},
+    {"ftyp"sv, "an MP4 or MOV video", kVideo, 4},
 };
-
-bool looksBinary(std::string_view start) { return start.find('\0') != std::string_view::npos; }
 
 std::string kindText(const char* kind, const char* advice) {
   return std::string("is ") + kind + ": " + advice;
@@ -76,10 +77,8 @@ std::string kindText(const char* kind, const char* advice) {
 std::optional<std::string> otherFileKind(std::string_view start,
                                          const std::filesystem::path& name) {
   for (const Magic& magic : kMagics) {
-    if (start.starts_with(magic.bytes)) return kindText(magic.kind, magic.advice);
-  }
-  if (start.size() >= 8 && start.substr(4, 4) == "ftyp") {
-    return kindText("an MP4 or MOV video", "for a video of a face use webcam:FILE");
+    const std::string_view bytes = start.substr(std::min(magic.at, start.size()));
+    if (bytes.starts_with(magic.bytes)) return kindText(magic.kind, magic.advice);
   }
   // A pickle of protocol 2 or later; MessagePack has no magic number.
   if (start.size() >= 2 && start[0] == '\x80' && start[1] >= 2 && start[1] <= 5) {
@@ -97,7 +96,7 @@ std::optional<std::string> otherFileKind(std::string_view start,
   if (ending == ".idf") {
     return kindText("an SMI IDF file", "convert it to text with SMI's IDF Converter or BeGaze");
   }
-  if (ending == ".edf" && looksBinary(start)) {
+  if (ending == ".edf" && start.find('\0') != start.npos) {
     return kindText("an EDF file", "an EyeLink EDF is converted with SR Research's edf2asc");
   }
   if (ending == ".pldata") {

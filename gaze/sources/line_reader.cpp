@@ -18,6 +18,14 @@ constexpr std::size_t kBuffer_B = 4 * kMaxLine_B;  // large enough that refills 
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
+// A packed recording is unpacked to about 5 times its size; a file that packs some bytes again and
+// again reaches a thousand times.
+constexpr std::int64_t kMaxUnpacked = 100;
+constexpr std::int64_t kUnpackedAnyway_B = std::int64_t{64} << 20;
+
+constexpr std::size_t kBlock_B = 128 * 1024;
+constexpr int kGzip = 16;  // of inflateInit2: gzip format alone
+
 }  // namespace
 
 LineReader::LineReader(const std::filesystem::path& file)
@@ -137,18 +145,6 @@ void splitRow(std::string_view line, char delimiter, std::vector<std::string_vie
   }
 }
 
-namespace {
-
-// A packed recording is unpacked to about 5 times its size; a file that packs some bytes again and
-// again reaches a thousand times.
-constexpr std::int64_t kMaxUnpacked = 100;
-constexpr std::int64_t kUnpackedAnyway_B = std::int64_t{64} << 20;
-
-constexpr std::size_t kBlock_B = 128 * 1024;
-constexpr int kGzip = 16;  // of inflateInit2: gzip format alone
-
-}  // namespace
-
 void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
                             std::int64_t packed_B) {
   if (unpacked_B > kUnpackedAnyway_B && unpacked_B / kMaxUnpacked > packed_B) {
@@ -171,15 +167,6 @@ struct PackedFile::State {
     stream.avail_in = static_cast<uInt>(std::fread(bytes.data(), 1, bytes.size(), file.get()));
     packed_B += stream.avail_in;
     return stream.avail_in > 0;
-  }
-
-  void copy() {
-    const uInt some = std::min(stream.avail_in, stream.avail_out);
-    std::memcpy(stream.next_out, stream.next_in, some);
-    stream.next_in += some;
-    stream.avail_in -= some;
-    stream.next_out += some;
-    stream.avail_out -= some;
   }
 
   void unpack() {
@@ -211,6 +198,7 @@ PackedFile::PackedFile(const std::filesystem::path& file) : state_(std::make_uni
   s.refill();
   s.packed = s.stream.avail_in >= 2 && s.bytes[0] == 0x1f && s.bytes[1] == 0x8b &&
              inflateInit2(&s.stream, MAX_WBITS + kGzip) == Z_OK;
+  if (!s.packed) std::rewind(s.file.get());
 }
 
 PackedFile::~PackedFile() {
@@ -219,17 +207,11 @@ PackedFile::~PackedFile() {
 
 std::size_t PackedFile::read(char* to, std::size_t count) {
   State& s = *state_;
+  if (!s.packed) return std::fread(to, 1, count, s.file.get());
   s.stream.next_out = reinterpret_cast<Bytef*>(to);
   s.stream.avail_out = static_cast<uInt>(count);
-  while (s.stream.avail_out > 0 && (s.stream.avail_in > 0 || s.refill())) {
-    if (s.packed) {
-      s.unpack();
-    } else {
-      s.copy();
-    }
-  }
+  while (s.stream.avail_out > 0 && (s.stream.avail_in > 0 || s.refill())) s.unpack();
   const std::size_t read = count - s.stream.avail_out;
-  if (!s.packed) return read;
   s.unpacked_B += static_cast<std::int64_t>(read);
   requirePackedRecording(s.name, s.unpacked_B, s.packed_B);
   if (read == 0 && !s.between_members) s.refuse();

@@ -111,10 +111,12 @@ class RowReader {
         stated_(rows.before().screen),
         screen_(screenInForce(stated_, fallback)),
         layout_(recogniseTable(rows, columns)),
-        row_(rows, layout_, screen_, unitsOf(rows, layout_, columns)),
+        units_(columns.units         ? *columns.units
+               : rows.before().units ? *rows.before().units
+                                     : layout_.units.value_or(GazeUnits::px)),
+        row_(rows, layout_, columns, screen_, units_),
         times_(layout_, row_, rows, columns, take) {
     if (layout_.headless) rows_.readNamesAsRow();
-    units_ = unitsOf(rows, layout_, columns);
     units_stated_ = columns.units || rows.before().units || layout_.units ||
                     layout_.hasDirections() || columns.mapped_later || layout_.space;
     if (layout_.space) {
@@ -157,13 +159,6 @@ class RowReader {
   }
 
  private:
-  static GazeUnits unitsOf(const Rows& rows, const TableLayout& layout,
-                           const TraceColumns& columns) {
-    return columns.units         ? *columns.units
-           : rows.before().units ? *rows.before().units
-                                 : layout.units.value_or(GazeUnits::px);
-  }
-
   void readRow() {
     if (broken_) throw *broken_;
     // The last line may be cut off. `broken_` refuses any line behind it.
@@ -224,18 +219,14 @@ class RowReader {
       note(people_[i], valueAt(groups.people[i]));
       if (people_[i].size() > 1) return false;
     }
-    if (groups.device && !row_.hasGaze()) {
-      const auto& values = groups.device->values;
-      if (std::ranges::find(values, valueAt(groups.device->at)) == values.end()) {
-        ++foreign_;
-        return false;
-      }
-    }
-    if (groups.foreign_if_blank && row_.isBlank()) {
-      ++foreign_;
-      return false;
-    }
-    return true;
+    const auto isOfDevice = [&](const ValueColumn& device) {
+      const std::string_view value = valueAt(device.at);
+      return std::ranges::find(device.values, value) != device.values.end();
+    };
+    const bool is_foreign = (groups.device && !row_.hasGaze() && !isOfDevice(*groups.device)) ||
+                            (groups.foreign_if_blank && row_.isBlank());
+    foreign_ += is_foreign;
+    return !is_foreign;
   }
 
   static void note(std::vector<std::string>& values, std::string_view value) {
@@ -315,19 +306,28 @@ class RowReader {
   void passEyes() {
     if (!first_eye_) return;
     GazeSample& sample = *first_eye_;
-    for (std::size_t side : {0, 1}) {
-      eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
-    }
+    noteEyes(sample);
     if (isInSpace()) {
       sample.direction = meanDirection(sample.eyes);
       sample.point_px =
           sample.direction ? pointOnScreen_px(screen_, *sample.direction) : std::nullopt;
     } else {
-      sample.point_px = cyclopean_.combine(times_.seconds(sample.time_s), sample.eyes[0].point_px,
-                                           sample.eyes[1].point_px);
+      combineEyes(sample);
     }
     times_.add(sample);
     first_eye_.reset();
+  }
+
+  void noteEyes(const GazeSample& sample) {
+    for (std::size_t side : {0, 1}) {
+      eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
+    }
+  }
+
+  /// @param sample  its time is in the file's unit
+  void combineEyes(GazeSample& sample) {
+    sample.point_px = cyclopean_.combine(times_.seconds(sample.time_s), sample.eyes[0].point_px,
+                                         sample.eyes[1].point_px);
   }
 
   /// @throws SeveralPeople, or InputError if no row is of the person that the study chooses
@@ -359,38 +359,28 @@ class RowReader {
 
   void readResolution() {
     if (resolution_known_) return;
+    std::optional<glm::ivec2> size_px;
     if (layout_.resolution) {
-      const auto size_px = resolutionIn(rows_, row_.field(*layout_.resolution));
-      if (size_px) screen_.size_px = stated_.size_px = *size_px;
-      resolution_known_ = size_px.has_value();
-      return;
+      size_px = resolutionIn(rows_, row_.field(*layout_.resolution));
+    } else if (layout_.width_px && layout_.height_px) {
+      const std::string_view width = row_.field(*layout_.width_px);
+      const std::string_view height = row_.field(*layout_.height_px);
+      if (!parseNumber(width) || !parseNumber(height)) return;
+      size_px =
+          glm::ivec2{pixelsIn(rows_, "resolution", width), pixelsIn(rows_, "resolution", height)};
     }
-    if (!layout_.width_px || !layout_.height_px) return;
-    const auto width = parseNumber(row_.field(*layout_.width_px));
-    const auto height = parseNumber(row_.field(*layout_.height_px));
-    if (!width || !height) return;
-    const auto pixels = [&](std::size_t column) {
-      return static_cast<int>(
-          numberIn(rows_, "resolution", row_.field(column), 16, 16384, "16 to 16384 px"));
-    };
-    screen_.size_px = {pixels(*layout_.width_px), pixels(*layout_.height_px)};
-    stated_.size_px = screen_.size_px;
-    resolution_known_ = true;
+    if (size_px) screen_.size_px = stated_.size_px = *size_px;
+    resolution_known_ = size_px.has_value();
   }
 
   void readSample(GazeSample& sample) {
     row_.read(sample);
     sample.time_s = times_.read();  // in the file's unit
-    if (!layout_.x && !isInSpace()) {
-      sample.point_px = cyclopean_.combine(times_.seconds(sample.time_s), sample.eyes[0].point_px,
-                                           sample.eyes[1].point_px);
-    }
+    if (!layout_.x && !isInSpace()) combineEyes(sample);
     if (sample.blink) sample.point_px.reset();
     head_seen_ |= sample.head.has_value();
     if (!units_stated_ && sample.point_px) plain_.add(*sample.point_px);
-    for (std::size_t side : {0, 1}) {
-      eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
-    }
+    noteEyes(sample);
   }
 
   void requireHead() const {
@@ -480,12 +470,12 @@ class RowReader {
   const TraceColumns& given_;
   Screen stated_, screen_;
   TableLayout layout_;
+  GazeUnits units_;
   TableRow row_;
   RowTimes times_;
   GazeSample sample_{};  // of the latest row
   Cyclopean cyclopean_{};
   PlainPositions plain_{};
-  GazeUnits units_ = GazeUnits::px;
   bool units_stated_ = false;        // by the user, the file or its format
   std::optional<EyeField> field_{};  // of a headset
   bool head_seen_ = false, resolution_known_ = false;

@@ -41,9 +41,7 @@ constexpr std::string_view kDevices =
 /// "participant", "subject_nr"
 bool namesPeople(std::string_view key) {
   if (key == "username" || isWordOf(kPeople, key)) return true;
-  std::vector<std::string_view> ends;
-  splitWords(kOfPeople, ends);
-  return std::ranges::any_of(ends, [&](std::string_view end) {
+  return std::ranges::any_of(wordsOf(kOfPeople), [&](std::string_view end) {
     return key.ends_with(end) && isWordOf(kPeople, key.substr(0, key.size() - end.size()));
   });
 }
@@ -70,13 +68,12 @@ class Survey {
   Survey(Rows& rows, const ColumnNames& names, const TableLayout& layout)
       : rows_(rows), names_(names), layout_(layout) {
     findCandidates();
-    const auto gaze = layout.gazeColumns(false), all = layout.gazeColumns(true);
-    const auto filled = [&](const std::vector<std::size_t>& columns) {
-      return std::ranges::any_of(
-          columns, [&](std::size_t at) { return at < rows_.size() && !rows_.isAbsent(at); });
-    };
+    std::vector<std::size_t> gaze;
+    for (const ColumnRole& role : layout.roles) {
+      if (role.kind == ColumnRole::Kind::gaze) gaze.push_back(role.column);
+    }
     rows_.survey(kSurveyed, [&] {
-      Seen seen{.has_gaze = filled(gaze), .is_blank = !filled(all)};
+      Seen seen{.has_gaze = layout.isFilled(rows, false), .is_blank = !layout.isFilled(rows, true)};
       if (layout_.time && *layout_.time < rows_.size()) seen.time = numberAt(*layout_.time);
       seen.place = placeOf(gaze);
       for (const std::size_t at : candidates_) {
@@ -220,13 +217,16 @@ class Grouper {
   }
 
  private:
-  bool isOnly(std::size_t column) const {
-    return std::ranges::any_of(groups_.only, [&](const auto& each) { return each.at == column; });
+  /// Of people, or named by the study.
+  bool isKnown(std::size_t column) const {
+    return std::ranges::find(groups_.people, column) != groups_.people.end() ||
+           std::ranges::find(groups_.only, column, &ValueColumn::at) != groups_.only.end();
   }
 
   void findPeople() {
     for (std::size_t i = 0; i < names_.size(); ++i) {
-      if (namesPeople(names_.key(i)) && !layout_.uses(i) && !isOnly(i)) groups_.people.push_back(i);
+      if (namesPeople(names_.key(i)) && !layout_.uses(i) && !isKnown(i))
+        groups_.people.push_back(i);
     }
   }
 
@@ -235,10 +235,9 @@ class Grouper {
     if (!layout_.isPlain()) return;
     for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
       const std::size_t column = survey_.candidates()[i];
-      const bool known = std::ranges::find(groups_.people, column) != groups_.people.end() ||
-                         groups_.eye == column ||
-                         (groups_.device && groups_.device->at == column) || isOnly(column);
-      if (!known && !valuesOf(survey_, i, false).empty()) groups_.watched.push_back(column);
+      const bool of_device = groups_.device && groups_.device->at == column;
+      if (isKnown(column) || groups_.eye == column || of_device) continue;
+      if (!valuesOf(survey_, i, false).empty()) groups_.watched.push_back(column);
     }
   }
 
@@ -316,8 +315,7 @@ class Grouper {
   void findOthers() {
     for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
       const std::size_t column = survey_.candidates()[i];
-      const bool known = std::ranges::find(groups_.people, column) != groups_.people.end();
-      if (!known && !isOnly(column) && areApart(survey_, i)) groups_.people.push_back(column);
+      if (!isKnown(column) && areApart(survey_, i)) groups_.people.push_back(column);
     }
   }
 
@@ -328,15 +326,6 @@ class Grouper {
 };
 
 }  // namespace
-
-std::string listOf(const std::vector<std::string>& values) {
-  constexpr std::size_t kMaxListed = 6;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(values.size(), kMaxListed); ++i) {
-    text += (i == 0 ? "" : ", ") + shown(values[i]);
-  }
-  return values.size() > kMaxListed ? text + ", ..." : text;
-}
 
 SeveralPeople::SeveralPeople(const std::string& source, std::string of_column,
                              std::vector<std::string> all)
@@ -351,7 +340,7 @@ RowGroups groupRows(Rows& rows, const ColumnNames& names, const TableLayout& lay
                     const TraceColumns& columns) {
   RowGroups groups;
   for (const auto& [name, value] : columns.rows) {
-    groups.only.push_back({.at = names.named(name), .values = {value}});
+    groups.only.push_back({.at = names.at(name), .values = {value}});
   }
   const Survey survey(rows, names, layout);
   Grouper(survey, names, layout, groups).group();

@@ -22,12 +22,15 @@ double numberIn(const Place& place, std::string_view key, std::string_view text,
   throw place.error(std::string(key) + " = " + shown(text) + ": expected " + range);
 }
 
+int pixelsIn(const Place& place, std::string_view key, std::string_view text) {
+  return static_cast<int>(numberIn(place, key, text, 16, 16384, "16 to 16384 px"));
+}
+
 std::optional<glm::ivec2> resolutionIn(const Place& place, std::string_view text) {
   const std::size_t times = text.find_first_of("xX");
   if (times == text.npos) return std::nullopt;
   const auto side = [&](std::string_view number) {
-    return static_cast<int>(
-        numberIn(place, "resolution", trimmed(number), 16, 16384, "16 to 16384 px"));
+    return pixelsIn(place, "resolution", trimmed(number));
   };
   return glm::ivec2(side(text.substr(0, times)), side(text.substr(times + 1)));
 }
@@ -42,9 +45,7 @@ bool hasOpenQuote(std::string_view line) {
 
 /// `# key=value ...`. Unknown keys are ignored.
 void readKeys(const LineReader& lines, std::string_view line, TablePreamble& preamble) {
-  std::vector<std::string_view> words;
-  splitWords(line.substr(1), words);
-  for (const std::string_view word : words) {
+  for (const std::string_view word : wordsOf(line.substr(1))) {
     const std::size_t equals = word.find('=');
     if (equals == std::string_view::npos) continue;
     const auto key = word.substr(0, equals), text = word.substr(equals + 1);
@@ -55,9 +56,7 @@ void readKeys(const LineReader& lines, std::string_view line, TablePreamble& pre
       }
       continue;
     }
-    const auto pixels = [&] {
-      return static_cast<int>(numberIn(lines, key, text, 16, 16384, "16 to 16384 px"));
-    };
+    const auto pixels = [&] { return pixelsIn(lines, key, text); };
     const auto metres = [&] { return numberIn(lines, key, text, 0.01, 20.0, "0.01 to 20 m"); };
     if (key == "sampling_Hz") {
       preamble.rate_Hz = numberIn(lines, key, text, 5.0, 20000.0, "5 to 20000");
@@ -78,24 +77,21 @@ void readSmi(const LineReader& lines, std::string_view line, TablePreamble& prea
   preamble.smi |= names("BeGaze") || names("iView") || names("Calibration Area") ||
                   line.find("IDF Converter") != line.npos;
   if (colon == line.npos) return;
-  std::vector<std::string_view> values;
-  splitWords(line.substr(colon + 1), values);
+  const auto values = wordsOf(line.substr(colon + 1));
   const auto known = [&](std::size_t count) {
     return values.size() >= count &&
-           std::none_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count),
-                        [](std::string_view text) { return parseNumber(text) == 0.0; });
+           std::ranges::none_of(std::span(values).first(count),
+                                [](std::string_view text) { return parseNumber(text) == 0.0; });
   };
-  const auto value = [&](std::size_t i, double low, double high, const char* range) {
-    return numberIn(lines, key, values[i], low, high, range);
+  const auto metres = [&](std::size_t i) {
+    return 1e-3 * numberIn(lines, key, values[i], 10, 20000, "10 to 20000 mm");
   };
   if (names("Calibration Area") && known(2)) {
-    preamble.screen.size_px = {static_cast<int>(value(0, 16, 16384, "16 to 16384 px")),
-                               static_cast<int>(value(1, 16, 16384, "16 to 16384 px"))};
+    preamble.screen.size_px = {pixelsIn(lines, key, values[0]), pixelsIn(lines, key, values[1])};
   } else if (names("Stimulus Dimension") && known(2)) {
-    preamble.screen.size_m = 1e-3 * glm::dvec2(value(0, 10, 20000, "10 to 20000 mm"),
-                                               value(1, 10, 20000, "10 to 20000 mm"));
+    preamble.screen.size_m = {metres(0), metres(1)};
   } else if (names("Head Distance") && known(1)) {
-    preamble.screen.distance_m = 1e-3 * value(0, 10, 20000, "10 to 20000 mm");
+    preamble.screen.distance_m = metres(0);
   }
 }
 
@@ -120,10 +116,18 @@ bool readTobiiStudioLine(const LineReader& lines, std::string_view line, TablePr
 }
 
 /// The first line that is not blank, no comment (#) and no line `sep=;`; empty if there is none.
-std::string headerIn(LineReader& lines, TablePreamble& preamble) {
+/// @param of_recording  the lines before it may describe a recording
+std::string headerIn(LineReader& lines, TablePreamble& preamble, bool of_recording) {
   std::string_view line;
   while (lines.next(line)) {
     if (readSeparatorLine(line, preamble)) continue;
+    preamble.tobii_studio |= of_recording && line.starts_with("System Properties:");
+    if (preamble.tobii_studio && readTobiiStudioLine(lines, line, preamble)) continue;
+    if (of_recording && line.starts_with("##")) {
+      readSmi(lines, line, preamble);
+    } else if (of_recording && line.starts_with('#')) {
+      readKeys(lines, line, preamble);
+    }
     if (!trimmed(line).empty() && line.front() != '#') return std::string(line);
   }
   return {};
@@ -191,19 +195,7 @@ std::string Rows::hint() const {
 
 TextRows::TextRows(LineReader& lines) : lines_(lines) {
   source_ = lines.fileName();
-  std::string_view line;
-  while (header_.empty() && lines_.next(line)) {
-    if (readSeparatorLine(line, before_)) continue;
-    before_.tobii_studio |= line.starts_with("System Properties:");
-    if (before_.tobii_studio && readTobiiStudioLine(lines_, line, before_)) continue;
-    if (line.starts_with("##")) {
-      readSmi(lines_, line, before_);
-    } else if (line.starts_with('#')) {
-      readKeys(lines_, line, before_);
-    } else if (!trimmed(line).empty()) {
-      header_ = line;
-    }
-  }
+  header_ = headerIn(lines_, before_, true);
   if (header_.empty()) throw InputError(source_, "empty: expected a header line and samples");
   takeNames();
 }
@@ -290,7 +282,7 @@ InputError TextRows::error(const std::string& what) const {
 NamedTable::NamedTable(const std::filesystem::path& file, std::string expected, bool may_be_cut)
     : lines_(file), expected_(std::move(expected)), may_be_cut_(may_be_cut) {
   TablePreamble before;
-  const std::string header = headerIn(lines_, before);
+  const std::string header = headerIn(lines_, before, false);
   if (header.empty()) throw InputError(fileName(), "empty: expected " + expected_);
   rows_.emplace(lines_, before, header);
   commas_ = CommaNumbers(rows_->delimiter());

@@ -41,6 +41,9 @@ std::optional<glm::ivec2> resolutionIn(const Place& place, std::string_view text
 double numberIn(const Place& place, std::string_view key, std::string_view text, double low,
                 double high, const char* range);
 
+/// A number of pixels along a side of a screen. @throws InputError
+int pixelsIn(const Place& place, std::string_view key, std::string_view text);
+
 /// A warning.
 inline constexpr const char* kCutOff =
     "the last line is cut off and left out: is the file complete?";

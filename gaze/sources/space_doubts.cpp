@@ -1,6 +1,5 @@
 // The limits are those of heads and eyes, chosen by hand. Eyes turn by 50 degrees at most. People
 // who look around seldom turn them by more than 20 degrees (Stahl 1999).
-#include <algorithm>
 #include <cmath>
 
 #include "base/quantile.h"

@@ -145,50 +145,37 @@ std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
   return glm::normalize(*point_m - *from_m);
 }
 
-double headAngle_rad(const TableRow& row, const SpaceLayout& layout, std::size_t column,
-                     double angle) {
-  const double turn_rad = layout.head_angle_scale_rad * angle;
-  if (std::abs(turn_rad) > kMaxAngle_rad) {
-    row.fail(column, "more than a turn: is gaze.angle_units right?");
-  }
-  return turn_rad;
-}
-
-/// To the right, upwards, and roll to the right.
-std::optional<glm::dquat> turnByAngles(const TableRow& row, const SpaceLayout& layout) {
-  const auto angles = numbersIn(row, *layout.head_angles);
+/// By the angles in three columns, about `axes` of the head, one after another.
+std::optional<glm::dquat> turnIn(const TableRow& row, const SpaceLayout& layout,
+                                 const std::array<std::size_t, 3>& columns,
+                                 const std::array<std::size_t, 3>& order,
+                                 const std::array<glm::dvec3, 3>& axes) {
+  const auto angles = numbersIn(row, columns);
   if (!angles) return std::nullopt;
-  constexpr std::array<glm::dvec3, 3> kAxes = {
-      {{0.0, -1.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, -1.0}}};
   glm::dquat turned(1.0, 0.0, 0.0, 0.0);
-  for (std::size_t i : {0, 1, 2}) {
-    turned =
-        turned * glm::angleAxis(headAngle_rad(row, layout, (*layout.head_angles)[i], (*angles)[i]),
-                                kAxes[i]);
+  for (const std::size_t i : order) {
+    const double turn_rad = layout.head_angle_scale_rad * (*angles)[i];
+    if (std::abs(turn_rad) > kMaxAngle_rad) {
+      row.fail(columns[i], "more than a turn: is gaze.angle_units right?");
+    }
+    turned = turned * glm::angleAxis(turn_rad, axes[i]);
   }
   return turned;
 }
 
-/// About the recording's own axes. The product has the same form in a left-handed frame.
-std::optional<glm::dquat> turnByEuler(const TableRow& row, const SpaceLayout& layout) {
-  const auto angles = numbersIn(row, *layout.head_euler);
-  if (!angles) return std::nullopt;
-  glm::dquat turned(1.0, 0.0, 0.0, 0.0);
-  for (const std::size_t axis : layout.euler_order) {
-    glm::dvec3 about(0.0);
-    about[static_cast<int>(axis)] = 1.0;
-    turned = turned *
-             glm::angleAxis(headAngle_rad(row, layout, (*layout.head_euler)[axis], (*angles)[axis]),
-                            about);
-  }
-  return layout.head_axes.rotation(turned);
-}
-
 std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout) {
-  const std::optional<glm::dquat> world_from_head =
-      layout.head_angles  ? turnByAngles(row, layout)
-      : layout.head_euler ? turnByEuler(row, layout)
-                          : rotationIn(row, layout.head_quaternion, layout.head_axes);
+  constexpr glm::dvec3 kX(1.0, 0.0, 0.0), kY(0.0, 1.0, 0.0), kZ(0.0, 0.0, 1.0);
+  std::optional<glm::dquat> world_from_head;
+  if (layout.head_angles) {  // to the right, upwards, and roll to the right
+    world_from_head = turnIn(row, layout, *layout.head_angles, {0, 1, 2},
+                             {glm::dvec3(0.0, -1.0, 0.0), kX, glm::dvec3(0.0, 0.0, -1.0)});
+  } else if (layout.head_euler) {
+    // About the recording's own axes. The product has the same form in a left-handed frame.
+    world_from_head = turnIn(row, layout, *layout.head_euler, layout.euler_order, {kX, kY, kZ});
+    if (world_from_head) world_from_head = layout.head_axes.rotation(*world_from_head);
+  } else {
+    world_from_head = rotationIn(row, layout.head_quaternion, layout.head_axes);
+  }
   if (!world_from_head) return std::nullopt;
   HeadInWorld head{.world_from_head = *world_from_head};
   if (layout.head_position) {
@@ -199,16 +186,6 @@ std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout
   }
   return head;
 }
-
-}  // namespace
-
-bool isEulerOrder(std::string_view order) {
-  std::string letters(order);
-  std::sort(letters.begin(), letters.end());
-  return letters == "xyz";
-}
-
-namespace {
 
 /// Where an eye stands beside the middle between both, as Aria's files have it.
 constexpr double kHalfIpd_m = 0.0315;
@@ -241,7 +218,15 @@ void refuseWrongSight(const Place& place, const SpaceLayout& layout) {
   }
 }
 
+double radiansPer(AngleUnit unit) { return unit == AngleUnit::rad ? 1.0 : glm::radians(1.0); }
+
 }  // namespace
+
+bool isEulerOrder(std::string_view order) {
+  std::string letters(order);
+  std::sort(letters.begin(), letters.end());
+  return letters == "xyz";
+}
 
 std::vector<std::string> worldColumnNames() {
   return {"time", "head x", "head y", "head z", "head qx", "head qy", "head qz", "head qw"};
@@ -257,12 +242,6 @@ TraceColumns worldColumns(TraceColumns columns, double time_scale_s) {
   columns.space.axes = "right-up-back";
   return columns;
 }
-
-namespace {
-
-double radiansPer(AngleUnit unit) { return unit == AngleUnit::rad ? 1.0 : glm::radians(1.0); }
-
-}  // namespace
 
 AxisConvention axesOf(const Place& place, const SpaceColumns& columns) {
   const auto axes = AxisConvention::named(columns.axes.value_or(""));
@@ -315,6 +294,11 @@ SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
   }
   layout.axes = layout.head_axes = axesOf(place, columns);
   return layout;
+}
+
+void loseGaze(GazeSample& sample) {
+  sample.direction.reset();
+  for (EyeSample& eye : sample.eyes) eye.direction.reset();
 }
 
 std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {

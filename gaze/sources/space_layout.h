@@ -71,6 +71,9 @@ AxisConvention axesOf(const Place& place, const SpaceColumns& columns);
 ///   no eye has
 void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sample);
 
+/// The head stays where it is.
+void loseGaze(GazeSample& sample);
+
 /// The mean of the eyes' directions, or the one that there is.
 std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes);
 

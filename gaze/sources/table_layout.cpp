@@ -67,7 +67,7 @@ class Recogniser {
       if (!given_.x.starts_with('#')) names_.refuseTwin(i);
       layout_.columns = i + 1;
     }
-    layout_.readings = readingsOf(names_, layout_, given_);
+    layout_.readings = readingsOf(names_, layout_);
     findUnusedValidity();
     return std::move(layout_);
   }
@@ -255,10 +255,7 @@ class Recogniser {
         !given_.confidence.empty() ? std::optional(named(given_.confidence)) : find("confidence");
     const auto uncertainty = find("uncertainty");
     if (uncertainty && names_.unit(*uncertainty) == "deg") layout_.uncertainty_deg = uncertainty;
-    layout_.numbers = {.missing = given_.missing,
-                       .scale = given_.scale,
-                       .offset = given_.offset,
-                       .pupil_scale_mm = given_.pupil_scale_mm};
+    layout_.missing = given_.missing;
   }
 
   /// Tables whose columns have the names of gaze, but hold something else.
@@ -344,15 +341,12 @@ bool TableLayout::uses(std::size_t column) const {
   return std::ranges::find(roles, column, &ColumnRole::column) != roles.end();
 }
 
-std::vector<std::size_t> TableLayout::gazeColumns(bool with_rating) const {
-  std::vector<std::size_t> found;
-  for (const ColumnRole& role : roles) {
-    if (role.kind == ColumnRole::Kind::gaze ||
-        (with_rating && role.kind == ColumnRole::Kind::rating)) {
-      found.push_back(role.column);
-    }
-  }
-  return found;
+bool TableLayout::isFilled(const Rows& row, bool with_rating) const {
+  return std::ranges::any_of(roles, [&](const ColumnRole& role) {
+    const bool counts = role.kind == ColumnRole::Kind::gaze ||
+                        (with_rating && role.kind == ColumnRole::Kind::rating);
+    return counts && role.column < row.size() && !row.isAbsent(role.column);
+  });
 }
 
 TableLayout recogniseTable(Rows& rows, const TraceColumns& columns) {

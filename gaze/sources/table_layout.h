@@ -49,13 +49,6 @@ struct SampleRows {
   }
 };
 
-/// How to read the numbers, as the study says: see `TraceColumns`.
-struct TableNumbers {
-  std::optional<double> missing{};
-  glm::dvec2 scale{1.0}, offset{0.0};
-  double pupil_scale_mm = 1.0;
-};
-
 /// A table holds rows of several people, and the study chooses none.
 struct SeveralPeople : InputError {
   SeveralPeople(const std::string& source, std::string of_column, std::vector<std::string> all);
@@ -63,9 +56,6 @@ struct SeveralPeople : InputError {
   std::string column;               ///< that tells them apart
   std::vector<std::string> values;  ///< of it, in order of appearance
 };
-
-/// "a", "b", "c"; the first six.
-std::string listOf(const std::vector<std::string>& values);
 
 /// A column of few values.
 struct ValueColumn {
@@ -128,7 +118,7 @@ struct TableLayout {
   bool sights_beside = false;        ///< directions are not the gaze: axes of the eyes (Neon)
   bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI, Tobii Studio)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
-  TableNumbers numbers{};
+  std::optional<double> missing{};   ///< the number that means "no position" or "no pupil"
   RowGroups groups{};
   std::vector<ColumnRole> roles{};        ///< of the columns above; the first one of a column holds
   std::optional<SpaceLayout> space{};     ///< gaze in space; then there are no points
@@ -147,8 +137,8 @@ struct TableLayout {
   bool hasDirections() const { return !sights_beside && (eyes[0].direction || eyes[1].direction); }
   /// Whether a column has a role.
   bool uses(std::size_t column) const;
-  /// Columns that a row of the eye tracker fills. @param with_rating  also those that rate gaze
-  std::vector<std::size_t> gazeColumns(bool with_rating) const;
+  /// Whether the latest row has gaze. @param with_rating  or what rates it
+  bool isFilled(const Rows& row, bool with_rating) const;
 };
 
 /// Sets what a vendor's table of gaze in space says: its name, lines of sight, pupils and, unless
@@ -161,8 +151,7 @@ std::vector<ColumnRole> rolesOf(const TableLayout& layout, const TraceColumns& g
 
 /// A column that the study names is as the study says. Of the others, a format's own columns are
 /// sure, a name with its unit is likely, and a name without one is a guess.
-std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout,
-                                      const TraceColumns& given);
+std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout);
 
 /// Whose rows the table holds, judged by the first ones.
 /// @param layout  with the columns' roles

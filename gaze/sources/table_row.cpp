@@ -15,12 +15,6 @@ constexpr double kMaxPupil_mm = 15.0;
 constexpr double kMaxConfidence = 1.01;     // 1, rounded
 constexpr double kMinGazeConfidence = 0.6;  // as in Pupil Core's own software
 
-/// The head stays where it is.
-void loseGaze(GazeSample& sample) {
-  sample.direction.reset();
-  for (EyeSample& eye : sample.eyes) eye.direction.reset();
-}
-
 std::optional<double> meanPupil(const std::array<EyeSample, 2>& eyes) {
   if (eyes[0].pupil_mm && eyes[1].pupil_mm) return 0.5 * (*eyes[0].pupil_mm + *eyes[1].pupil_mm);
   return eyes[0].pupil_mm ? eyes[0].pupil_mm : eyes[1].pupil_mm;
@@ -42,9 +36,8 @@ std::optional<double> TableRow::coordinate(std::size_t column, std::string_view 
                            ? kMaxEccentricity_deg
                            : kFarthestGaze_px / glm::max(screen_.size_px.x, screen_.size_px.y);
   commas_.note(rows_, column, text, static_cast<std::size_t>(axis), number);
-  const TableNumbers& numbers = layout_.numbers;
-  if (number == numbers.missing) return std::nullopt;
-  const double value = numbers.scale[axis] * number + numbers.offset[axis];
+  if (isMissing(number)) return std::nullopt;
+  const double value = given_.scale[axis] * number + given_.offset[axis];
   if (std::abs(value) > limit)
     fail(column, "too far from any screen; is it gaze.missing, or gaze.units wrong?");
   return value;
@@ -64,12 +57,12 @@ std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
 std::optional<double> TableRow::readPupil(std::size_t column) const {
   const auto pupil = number(column);
   if (!pupil && isAbsent(column)) return std::nullopt;
-  if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
-  if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kMaxPupil_mm) {
+  if (pupil && isMissing(*pupil)) return std::nullopt;
+  if (!pupil || *pupil * given_.pupil_scale_mm > kMaxPupil_mm) {
     fail(column, "expected a diameter up to 15 mm (gaze.pupil_scale_mm)");
   }
   if (!(*pupil > 0.0)) return std::nullopt;
-  return *pupil * layout_.numbers.pupil_scale_mm;
+  return *pupil * given_.pupil_scale_mm;
 }
 
 /// In the tracker's own unit: any number above 0.
@@ -77,7 +70,7 @@ std::optional<double> TableRow::readOwnPupil(std::size_t column) const {
   const auto pupil = number(column);
   if (!pupil && isAbsent(column)) return std::nullopt;
   if (!pupil) fail(column, "expected a number");
-  return *pupil > 0.0 && pupil != layout_.numbers.missing ? pupil : std::nullopt;
+  return *pupil > 0.0 && !isMissing(*pupil) ? pupil : std::nullopt;
 }
 
 std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) const {
@@ -113,6 +106,10 @@ void TableRow::read(GazeSample& sample) const {
     readSpace(*this, *layout_.space, sample);
     if (!trusted) loseGaze(sample);
     if (sample.direction) sample.point_px = pointOnScreen_px(screen_, *sample.direction);
+    for (std::size_t side : {0, 1}) {
+      const auto& pupil = layout_.eyes[side].pupil_mm;
+      if (trusted && pupil) sample.eyes[side].pupil_mm = readPupil(*pupil);
+    }
   } else if (trusted) {
     if (layout_.has_eyes) {
       for (std::size_t side : {0, 1}) readEye(layout_.eyes[side], sample.eyes[side]);
@@ -121,13 +118,6 @@ void TableRow::read(GazeSample& sample) const {
       sample.point_px = meanSight(sample.eyes);
     } else if (layout_.x) {
       sample.point_px = readPoint(*layout_.x, *layout_.y);
-    }
-  }
-  if (layout_.space && trusted) {
-    for (std::size_t side : {0, 1}) {
-      if (const auto& pupil = layout_.eyes[side].pupil_mm) {
-        sample.eyes[side].pupil_mm = readPupil(*pupil);
-      }
     }
   }
   sample.pupil_mm = layout_.pupil_mm ? readPupil(*layout_.pupil_mm) : meanPupil(sample.eyes);

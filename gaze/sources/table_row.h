@@ -18,8 +18,14 @@ namespace foci {
 class TableRow {
  public:
   /// All arguments outlive the row. @param screen  may still change while rows are read
-  TableRow(const Rows& rows, const TableLayout& layout, const Screen& screen, GazeUnits units)
-      : rows_(rows), layout_(layout), screen_(screen), units_(units), commas_(rows.delimiter()) {}
+  TableRow(const Rows& rows, const TableLayout& layout, const TraceColumns& given,
+           const Screen& screen, GazeUnits units)
+      : rows_(rows),
+        layout_(layout),
+        given_(given),
+        screen_(screen),
+        units_(units),
+        commas_(rows.delimiter()) {}
 
   /// Whether the row has every field that the layout uses.
   bool isComplete() const { return rows_.size() >= layout_.columns; }
@@ -39,7 +45,7 @@ class TableRow {
     return number || rows_.areNumbers() ? number : commas_.parse(rows_.text(column));
   }
   /// Whether a number means data loss (gaze.missing).
-  bool isMissing(double number) const { return number == layout_.numbers.missing; }
+  bool isMissing(double number) const { return number == layout_.missing; }
 
   /// Whether the row is a sample: rows of messages may lie between the samples.
   bool isSample() const {
@@ -47,9 +53,9 @@ class TableRow {
     return !column || (*column < rows_.size() && layout_.rows.has(rows_.text(*column)));
   }
 
-  bool hasGaze() const { return anyOf(false); }
+  bool hasGaze() const { return layout_.isFilled(rows_, false); }
   /// Neither gaze, nor what rates it.
-  bool isBlank() const { return !anyOf(true); }
+  bool isBlank() const { return !layout_.isFilled(rows_, true); }
 
   /// Reads everything except the time. The point is the recording's own, or the mean of two lines
   /// of sight. It is absent if the row has points of single eyes only.
@@ -81,14 +87,6 @@ class TableRow {
                                                          const char* expected) const;
   std::optional<glm::dvec3> tripleIn(std::size_t column) const;
   std::optional<glm::dvec2> meanSight(const std::array<EyeSample, 2>& eyes) const;
-  bool anyOf(bool with_rating) const {
-    for (const ColumnRole& role : layout_.roles) {
-      const bool counts = role.kind == ColumnRole::Kind::gaze ||
-                          (with_rating && role.kind == ColumnRole::Kind::rating);
-      if (counts && role.column < rows_.size() && !rows_.isAbsent(role.column)) return true;
-    }
-    return false;
-  }
   inline std::optional<double> readPupil(std::size_t column) const;
   std::optional<double> readOwnPupil(std::size_t column) const;
   inline std::optional<glm::dvec2> readPoint(std::size_t x, std::size_t y) const;
@@ -101,6 +99,7 @@ class TableRow {
 
   const Rows& rows_;
   const TableLayout& layout_;
+  const TraceColumns& given_;
   const Screen& screen_;
   GazeUnits units_;
   mutable CommaNumbers commas_;  // gathered while numbers are parsed

@@ -111,7 +111,7 @@ bool isSameColumn(const Positions& at, Doubts& doubts) {
 double shareOff(const std::vector<double>& values, double low, double high) {
   const auto off =
       std::ranges::count_if(values, [&](double value) { return value < low || value > high; });
-  return static_cast<double>(off) / static_cast<double>(values.size());
+  return shareOf(static_cast<std::size_t>(off), values.size());
 }
 
 bool isOffScreen(const Positions& at, Doubts& doubts) {
@@ -161,8 +161,7 @@ bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts)
     if (corner || off || negative) ++counts[{at.x[i], at.y[i]}];
   }
   const auto most =
-      std::max_element(counts.begin(), counts.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
+      std::ranges::max_element(counts, {}, [](const auto& each) { return each.second; });
   if (most == counts.end()) return false;
   const double share = shareOf(most->second, at.x.size());
   constexpr int kDigits = 9;  // the code as the file has it: -32768, and not -3.277e+04

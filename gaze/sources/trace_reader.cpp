@@ -1,7 +1,6 @@
 #include "gaze/sources/trace_reader.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/input_error.h"
 #include "base/memory_budget.h"
@@ -26,13 +25,11 @@ double medianRate_Hz(const std::vector<GazeSample>& samples) {
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     interval_s[i] = samples[i + 1].time_s - samples[i].time_s;
   }
-  const double median_s = quantile(interval_s, 0.5);
-  if (std::all_of(interval_s.begin(), interval_s.end(), isWhole_ms)) {
-    RoundedIntervals rounded(median_s);
-    for (const double interval : interval_s) rounded.add(1, interval);
-    if (const auto mean_s = rounded.mean_s()) return std::round(1000.0 / *mean_s) / 1000.0;
+  RoundedIntervals rounded(quantile(interval_s, 0.5));
+  if (std::ranges::all_of(interval_s, isWhole_ms)) {
+    for (const double each_s : interval_s) rounded.add(1, each_s);
   }
-  return std::round(1000.0 / median_s) / 1000.0;
+  return rounded.rate_Hz();
 }
 
 TraceHeader readTable(const RecordingFile& file, const Screen& fallback_screen,
@@ -81,6 +78,34 @@ void fillScreen(const Screen& fallback, TraceHeader& header) {
   header.assumed.push_back("screen: the study's " + filled +
                            ", since the recording does not state " +
                            (filled.find(',') == filled.npos ? "it" : "them"));
+}
+
+/// Gives uncalibrated positions the extent of a screen: 98 % of them along the wider axis span 30
+/// deg, and the medians lie in the middle.
+void scaleRelative(GazeTrace& trace) {
+  constexpr double kSpan_deg = 30.0, kOutside = 0.01;
+  glm::dvec2 middle{0.0};
+  double extent = 0.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> values;
+    for (const GazeSample& sample : trace.samples) {
+      if (sample.point_px) values.push_back((*sample.point_px)[axis]);
+    }
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double share) {
+      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    };
+    middle[axis] = at(0.5);
+    extent = std::max(extent, at(1.0 - kOutside) - at(kOutside));
+  }
+  const double degrees = extent > 0.0 ? kSpan_deg / extent : 1.0;
+  for (GazeSample& sample : trace.samples) {
+    if (!sample.point_px) continue;
+    constexpr double kMost_deg = 80.0;  // a spike stays on the plane of the screen
+    sample.point_px = pointAtEccentricity_px(
+        *trace.screen, glm::clamp(degrees * (*sample.point_px - middle), -kMost_deg, kMost_deg));
+  }
+  trace.relative = true;
 }
 
 }  // namespace
@@ -152,38 +177,6 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
   const RecordingFormat* const format = formatSoFar(RecordingFile(file, columns));
   return format && format->preview ? format->preview(file) : SpacePreview{};
 }
-
-namespace {
-
-/// Gives uncalibrated positions the extent of a screen: 98 % of them along the wider axis span 30
-/// deg, and the medians lie in the middle.
-void scaleRelative(GazeTrace& trace) {
-  constexpr double kSpan_deg = 30.0, kOutside = 0.01;
-  glm::dvec2 middle{0.0};
-  double extent = 0.0;
-  for (int axis = 0; axis < 2; ++axis) {
-    std::vector<double> values;
-    for (const GazeSample& sample : trace.samples) {
-      if (sample.point_px) values.push_back((*sample.point_px)[axis]);
-    }
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double share) {
-      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-    };
-    middle[axis] = at(0.5);
-    extent = std::max(extent, at(1.0 - kOutside) - at(kOutside));
-  }
-  const double degrees = extent > 0.0 ? kSpan_deg / extent : 1.0;
-  for (GazeSample& sample : trace.samples) {
-    if (!sample.point_px) continue;
-    constexpr double kMost_deg = 80.0;  // a spike stays on the plane of the screen
-    sample.point_px = pointAtEccentricity_px(
-        *trace.screen, glm::clamp(degrees * (*sample.point_px - middle), -kMost_deg, kMost_deg));
-  }
-  trace.relative = true;
-}
-
-}  // namespace
 
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen, std::optional<double> rate_Hz) {

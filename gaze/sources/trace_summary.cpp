@@ -3,13 +3,9 @@
 #include <algorithm>
 
 namespace foci {
-namespace {
-
-constexpr double kMinInterval_s = 1e-6;
-
-}  // namespace
 
 int TraceSummary::binOf(double interval_s) const {
+  constexpr double kMinInterval_s = 1e-6;
   int octave = 0;
   const double part = 2.0 * std::frexp(std::max(interval_s / kMinInterval_s, 1.0), &octave) - 1.0;
   return std::min((octave - 1) * kPerOctave + static_cast<int>(part * kPerOctave),
@@ -75,13 +71,11 @@ double TraceSummary::rate_Hz() const {
   if (samples_ < 2) return 0.0;
   const auto bin = static_cast<std::size_t>(medianBin());
   if (sums_s_[bin] <= 0.0) return 0.0;
-  double count = static_cast<double>(intervals_[bin]), sum_s = sums_s_[bin];
-  if (whole_ms_) {
-    RoundedIntervals rounded(sum_s / count);
-    for (std::size_t i = 0; i < intervals_.size(); ++i) rounded.add(intervals_[i], sums_s_[i]);
-    if (const auto mean_s = rounded.mean_s()) return std::round(1000.0 / *mean_s) / 1000.0;
+  RoundedIntervals rounded(sums_s_[bin] / static_cast<double>(intervals_[bin]));
+  for (std::size_t i = 0; whole_ms_ && i < intervals_.size(); ++i) {
+    rounded.add(intervals_[i], sums_s_[i]);
   }
-  return std::round(1000.0 * count / sum_s) / 1000.0;
+  return rounded.rate_Hz();
 }
 
 }  // namespace foci

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
@@ -33,10 +32,11 @@ class RoundedIntervals {
     if (off_ms > 0.5) beside_ += count;
   }
 
-  /// Absent if the median holds: fewer than a tenth of the intervals lie beside it.
-  std::optional<double> mean_s() const {
-    if (10 * beside_ < count_ || !(sum_s_ > 0.0)) return std::nullopt;
-    return sum_s_ / static_cast<double>(count_);
+  /// To a thousandth. By the median if fewer than a tenth of the intervals lie beside it.
+  double rate_Hz() const {
+    const bool by_median = 10 * beside_ < count_ || !(sum_s_ > 0.0);
+    const double usual_s = by_median ? median_s_ : sum_s_ / static_cast<double>(count_);
+    return std::round(1000.0 / usual_s) / 1000.0;
   }
 
  private:

@@ -91,7 +91,7 @@ bool isNeon(Names names, const TablePreamble&) {
 
 /// An eye that is not recorded is at (0, 0), one that is not seen at -32768.
 void takeEyeLinkRelay(Names names, TableLayout& layout) {
-  if (!layout.numbers.missing) layout.numbers.missing = -32768.0;
+  if (!layout.missing) layout.missing = -32768.0;
   layout.eyes[0].pupil_own = names.find("leftpupilarea");
   layout.eyes[1].pupil_own = names.find("rightpupilarea");
   layout.pupil_unit = "arbitrary";

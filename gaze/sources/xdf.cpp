@@ -296,6 +296,42 @@ class XdfFile {
   std::optional<std::string> cut_off_{};
 };
 
+bool isXdf(const RecordingFile& file) {
+  return unpackedStart(file.path(), kXdfMagic.size()) == kXdfMagic;
+}
+
+/// Of the stream `gaze.stream`, else of the only stream of gaze (`LslStream::isGaze`).
+TraceHeader readXdf(const RecordingFile& file, const Screen& fallback_screen,
+                    const TakeSample& take) {
+  const std::string bytes = bytesOf(file.path());
+  const XdfFile xdf(bytes, file.path().string());
+  const Stream& stream = xdf.gazeStream(file.columns().stream);
+  std::vector<TraceMarker> markers = xdf.markers();
+  int resets = 0;
+  Samples samples = xdf.samplesOf(stream, resets);
+  if (stream.rate_Hz > 0.0) removeJitter(samples.times_s);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < samples.times_s.size(); ++i) {
+    values.push_back(samples.times_s[i]);
+    const auto row = samples.values.begin() + static_cast<std::ptrdiff_t>(i * stream.channels);
+    values.insert(values.end(), row, row + static_cast<std::ptrdiff_t>(stream.channels));
+  }
+  NumberRows rows(file.path().string(), stream.columns, std::move(values),
+                  stream.rate_Hz > 0.0 ? std::optional(stream.rate_Hz) : std::nullopt);
+  TraceHeader header = readRows(rows, file.columns(), fallback_screen, take);
+  header.format = "XDF, stream " + shown(stream.name) + ", " + header.format;
+  header.markers = std::move(markers);
+  if (stream.clock.empty()) {
+    header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
+  }
+  if (resets > 0) {
+    header.assumed.push_back("clock: the tracker's was reset " + std::to_string(resets) +
+                             " times, and the offsets of each part hold there");
+  }
+  if (xdf.cutOff()) header.warnings.push_back("the file is " + *xdf.cutOff());
+  return header;
+}
+
 }  // namespace
 
 bool LslStream::isMarkers() const {
@@ -335,46 +371,6 @@ LslStream lslStreamOf(std::string_view xml, const std::string& file) {
   }
   return stream;
 }
-
-namespace {
-
-bool isXdf(const RecordingFile& file) {
-  return unpackedStart(file.path(), kXdfMagic.size()) == kXdfMagic;
-}
-
-/// Of the stream `gaze.stream`, else of the only stream of gaze (`LslStream::isGaze`).
-TraceHeader readXdf(const RecordingFile& file, const Screen& fallback_screen,
-                    const TakeSample& take) {
-  const std::string bytes = bytesOf(file.path());
-  const XdfFile xdf(bytes, file.path().string());
-  const Stream& stream = xdf.gazeStream(file.columns().stream);
-  std::vector<TraceMarker> markers = xdf.markers();
-  int resets = 0;
-  Samples samples = xdf.samplesOf(stream, resets);
-  if (stream.rate_Hz > 0.0) removeJitter(samples.times_s);
-  std::vector<double> values;
-  for (std::size_t i = 0; i < samples.times_s.size(); ++i) {
-    values.push_back(samples.times_s[i]);
-    const auto row = samples.values.begin() + static_cast<std::ptrdiff_t>(i * stream.channels);
-    values.insert(values.end(), row, row + static_cast<std::ptrdiff_t>(stream.channels));
-  }
-  NumberRows rows(file.path().string(), stream.columns, std::move(values),
-                  stream.rate_Hz > 0.0 ? std::optional(stream.rate_Hz) : std::nullopt);
-  TraceHeader header = readRows(rows, file.columns(), fallback_screen, take);
-  header.format = "XDF, stream " + shown(stream.name) + ", " + header.format;
-  header.markers = std::move(markers);
-  if (stream.clock.empty()) {
-    header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
-  }
-  if (resets > 0) {
-    header.assumed.push_back("clock: the tracker's was reset " + std::to_string(resets) +
-                             " times, and the offsets of each part hold there");
-  }
-  if (xdf.cutOff()) header.warnings.push_back("the file is " + *xdf.cutOff());
-  return header;
-}
-
-}  // namespace
 
 const RecordingFormat kXdf{.name = "XDF", .is = isXdf, .read = readXdf};
 

@@ -15,10 +15,6 @@ constexpr std::size_t kCountBytes = 8;
 constexpr std::size_t kPlaceAt = 8, kColorAt = 32, kErrorAt = 35, kTrackAt = 43, kFixedBytes = 51;
 constexpr std::uint64_t kImageBytes = 8;  // of each image in a point's track
 
-glm::dvec3 placeOf(std::span<const unsigned char> point) {
-  return {doubleAt(point, kPlaceAt), doubleAt(point, kPlaceAt + 8), doubleAt(point, kPlaceAt + 16)};
-}
-
 }  // namespace
 
 bool isColmapFile(const std::filesystem::path& path) {
@@ -36,7 +32,7 @@ bool isColmapFile(const std::filesystem::path& path) {
     const double error = doubleAt(point, kErrorAt);
     const std::uint64_t images = u64At(point, kTrackAt);
     at += kFixedBytes;
-    if (!isNearEnough(placeOf(point)) || !(error >= -1.0 && error < 1e6)) return false;
+    if (!isNearEnough(dvec3At(point, kPlaceAt)) || !(error >= -1.0 && error < 1e6)) return false;
     if (images > (file.size() - at) / kImageBytes) return false;
     at += kImageBytes * images;
   }
@@ -64,7 +60,7 @@ PointCloud readColmap(const std::filesystem::path& path) {
                        " images, more than the file has room for");
     }
     at += kImageBytes * images;
-    if (!positions.append(placeOf(point))) continue;
+    if (!positions.append(dvec3At(point, kPlaceAt))) continue;
     const auto rgb = point.subspan(kColorAt);
     points.color.push_back(linearColor(glm::vec3(rgb[0], rgb[1], rgb[2]) / 255.0f));
   }

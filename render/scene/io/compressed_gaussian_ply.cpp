@@ -44,7 +44,7 @@ constexpr std::size_t kRangesWithoutColor = 12;
 constexpr std::array<std::string_view, 4> kPacked = {"packed_position", "packed_rotation",
                                                      "packed_scale", "packed_color"};
 
-/// The ranges of one chunk.
+/// The ranges of one chunk, in the order of the file.
 struct Chunk {
   glm::vec3 low{0.0f}, high{0.0f}, low_scale{0.0f}, high_scale{0.0f};
   glm::vec3 low_color{0.0f}, high_color{1.0f};
@@ -83,21 +83,10 @@ RawGaussian unpacked(const Packed& packed, const Chunk& chunk) {
 }
 
 std::vector<Chunk> readChunks(ply::Input& input, const Element& element) {
-  const bool colored = element.properties.size() == kRanges.size();
+  static_assert(sizeof(Chunk) == kRanges.size() * sizeof(float));
+  const std::size_t bytes = element.properties.size() * sizeof(float);
   std::vector<Chunk> chunks(element.count);
-  for (Chunk& chunk : chunks) {
-    const unsigned char* bytes = input.take(element.properties.size() * sizeof(float));
-    const auto vector = [&](std::size_t at) {
-      glm::vec3 v(0.0f);
-      std::memcpy(&v, bytes + at * sizeof(float), sizeof(v));
-      return v;
-    };
-    chunk = {vector(0), vector(3), vector(6), vector(9)};
-    if (colored) {
-      chunk.low_color = vector(12);
-      chunk.high_color = vector(15);
-    }
-  }
+  for (Chunk& chunk : chunks) std::memcpy(&chunk, input.take(bytes), bytes);
   return chunks;
 }
 

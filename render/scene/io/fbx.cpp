@@ -12,6 +12,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <string>
 #include <utility>
 
@@ -69,10 +70,8 @@ class FbxMesh {
     glm::mat4 parent_from_node(1.0f);
     // The root of an FBX lies in the scene as it is; Assimp 5.4 turns it by the axes that the file
     // states.
-    for (int c = 0; c < 4 && &node != scene_.mRootNode; ++c) {
-      for (unsigned r = 0; r < 4; ++r) {
-        parent_from_node[c][static_cast<int>(r)] = node.mTransformation[r][c];
-      }
+    if (&node != scene_.mRootNode) {
+      parent_from_node = glm::transpose(glm::make_mat4(&node.mTransformation.a1));
     }
     const glm::mat4 scene_from_node = scene_from_parent * parent_from_node;
     const std::string own = node.mName.C_Str(), &name = own.empty() ? above : own;
@@ -160,10 +159,7 @@ class FbxMesh {
                     emitted = linearColor(glm::max(color(AI_MATKEY_COLOR_EMISSIVE), 0.0f));
     const bool plain = from.GetName() == aiString(AI_DEFAULT_MATERIAL_NAME);
     if (diffuse.x >= 0.0f && !plain) material.factor = linearColor(diffuse);
-    const bool glows = diffuse == glm::vec3(0.0f) && emitted != glm::vec3(0.0f);
-    builder_.noteLight(glows, emitted);
-    if (glows) material.factor = emitted;
-    material.unlit = glows;
+    const bool glows = builder_.takeLight(diffuse == glm::vec3(0.0f), emitted, material);
     float opacity = 1.0f;
     from.Get(AI_MATKEY_OPACITY, opacity);
     material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;

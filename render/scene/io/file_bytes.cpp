@@ -3,8 +3,6 @@
 #include <zlib.h>
 #include <algorithm>
 #include <bit>
-#include <cassert>
-#include <cstring>
 #include <fstream>
 #include <functional>
 
@@ -17,14 +15,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::size_t kPart = std::size_t{1} << 24u;  // bytes that zlib gets or returns at once
-
-template <typename T>
-T loadAt(std::span<const unsigned char> bytes, std::size_t at) {
-  assert(at + sizeof(T) <= bytes.size());
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  return value;
-}
 
 /// The whole content of a gzip file.
 std::vector<unsigned char> unpackedGzip(const std::string& name,
@@ -104,22 +94,6 @@ std::vector<unsigned char> firstBytes(const std::filesystem::path& path, std::si
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
   bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   return bytes;
-}
-
-std::uint16_t u16At(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<std::uint16_t>(bytes, at);
-}
-std::uint32_t u32At(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<std::uint32_t>(bytes, at);
-}
-std::uint64_t u64At(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<std::uint64_t>(bytes, at);
-}
-float floatAt(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<float>(bytes, at);
-}
-double doubleAt(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<double>(bytes, at);
 }
 
 bool isGzip(std::span<const unsigned char> bytes) {

@@ -2,9 +2,12 @@
 // Private to the readers of scenes.
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <map>
 #include <memory>
 #include <span>
@@ -51,11 +54,20 @@ class FileBytes {
 std::vector<unsigned char> firstBytes(const std::filesystem::path& path, std::size_t count);
 
 /// A value of `bytes`, which are at least as many (asserted).
-std::uint16_t u16At(std::span<const unsigned char> bytes, std::size_t at);
-std::uint32_t u32At(std::span<const unsigned char> bytes, std::size_t at);
-std::uint64_t u64At(std::span<const unsigned char> bytes, std::size_t at);
-float floatAt(std::span<const unsigned char> bytes, std::size_t at);
-double doubleAt(std::span<const unsigned char> bytes, std::size_t at);
+template <typename T>
+T valueAt(std::span<const unsigned char> bytes, std::size_t at) {
+  assert(at + sizeof(T) <= bytes.size());
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(T));
+  return value;
+}
+inline constexpr auto& u16At = valueAt<std::uint16_t>;
+inline constexpr auto& u32At = valueAt<std::uint32_t>;
+inline constexpr auto& u64At = valueAt<std::uint64_t>;
+inline constexpr auto& floatAt = valueAt<float>;
+inline constexpr auto& doubleAt = valueAt<double>;
+inline constexpr auto& vec3At = valueAt<glm::vec3>;
+inline constexpr auto& dvec3At = valueAt<glm::dvec3>;
 
 bool isGzip(std::span<const unsigned char> bytes);
 

@@ -1,10 +1,8 @@
 #include "render/scene/io/foci_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -15,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "render/scene/gaussian_tree.h"
+#include "render/scene/io/file_bytes.h"
 #include "render/scene/point_cloud.h"
 
 namespace foci {
@@ -208,16 +207,19 @@ static_assert(sizeof(glm::vec3) == 12 && sizeof(Covariance3) == 24);
 constexpr std::uint32_t kPreservesLight = 1, kYIsDown = 2;
 constexpr std::uint32_t kDegree = 4, kGaussianFlags = 15;  // the degree is a multiple of kDegree
 
-void appendArrays(const GaussianCloud& cloud, std::vector<ByteSpan>& arrays) {
-  arrays.insert(arrays.end(),
-                {bytesOf(cloud.position_m), bytesOf(cloud.covariance_m2), bytesOf(cloud.opacity),
-                 bytesOf(cloud.color), bytesOf(cloud.harmonics)});
-}
-
-/// Numbers of bytes of these arrays.
-void appendSizes(std::uint64_t count, int degree, std::vector<std::uint64_t>& sizes) {
-  sizes.insert(sizes.end(), {12 * count, 24 * count, 4 * count, 12 * count,
-                             6 * count * static_cast<std::uint64_t>(harmonicsOf(degree))});
+/// Calls `each(values)` for each array of Gaussians and their tree, in the order of the file.
+template <typename Cloud, typename Tree, typename Each>
+void forGaussianArrays(Cloud& cloud, Tree& tree, const Each& each) {
+  for (auto* const of : {&cloud, &tree.nodes}) {
+    each(of->position_m);
+    each(of->covariance_m2);
+    each(of->opacity);
+    each(of->color);
+    each(of->harmonics);
+  }
+  each(tree.radius_m);
+  each(tree.spread_m2);
+  each(tree.growth_per_m2);
 }
 
 template <typename T>
@@ -225,15 +227,6 @@ void fill(std::vector<T>& values, ByteSpan bytes) {
   values.resize(bytes.size() / sizeof(T));
   if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
   releasePages(bytes);
-}
-
-/// @param arrays  the five of `appendArrays`
-void fill(GaussianCloud& cloud, const ByteSpan* arrays) {
-  fill(cloud.position_m, arrays[0]);
-  fill(cloud.covariance_m2, arrays[1]);
-  fill(cloud.opacity, arrays[2]);
-  fill(cloud.color, arrays[3]);
-  fill(cloud.harmonics, arrays[4]);
 }
 
 bool within(float value, float most) { return std::abs(value) <= most; }
@@ -261,12 +254,9 @@ bool isSound(const GaussianTree& tree, std::size_t node) {
 void writeFociGaussians(const std::filesystem::path& path, const PreparedScene& scene) {
   const GaussianCloud& cloud = *scene.cloud.gaussians;
   assert(cloud.tree && !cloud.empty());
-  const GaussianTree& tree = *cloud.tree;
   std::vector<ByteSpan> arrays;
-  appendArrays(cloud, arrays);
-  appendArrays(tree.nodes, arrays);
-  arrays.insert(arrays.end(),
-                {bytesOf(tree.radius_m), bytesOf(tree.spread_m2), bytesOf(tree.growth_per_m2)});
+  forGaussianArrays(cloud, *cloud.tree,
+                    [&](const auto& values) { arrays.push_back(bytesOf(values)); });
   writeFoci(path,
             {.version = kFociGaussians,
              .flags = (cloud.preserves_light ? kPreservesLight : 0) |
@@ -286,19 +276,18 @@ PreparedScene readFociGaussians(const FociContainer& file) {
   const int degree = static_cast<int>(header.flags / kDegree);
   const int levels = gaussianTreeLevels(header.count);
   const std::uint64_t nodes = std::uint64_t{1} << levels;
+  const std::uint64_t harmonics_B = 6 * static_cast<std::uint64_t>(harmonicsOf(degree));
   std::vector<std::uint64_t> sizes;
-  appendSizes(header.count, degree, sizes);
-  appendSizes(nodes, degree, sizes);
+  for (const std::uint64_t n : {std::uint64_t{header.count}, nodes}) {
+    sizes.insert(sizes.end(), {12 * n, 24 * n, 4 * n, 12 * n, harmonics_B * n});
+  }
   sizes.insert(sizes.end(), 3, 4 * nodes);
   const std::vector<ByteSpan> arrays = file.arrays(sizes);
 
   const auto tree = std::make_shared<GaussianTree>();
   const auto cloud = std::make_shared<GaussianCloud>();
-  fill(*cloud, arrays.data());
-  fill(tree->nodes, arrays.data() + 5);
-  fill(tree->radius_m, arrays[10]);
-  fill(tree->spread_m2, arrays[11]);
-  fill(tree->growth_per_m2, arrays[12]);
+  auto next = arrays.begin();
+  forGaussianArrays(*cloud, *tree, [&](auto& values) { fill(values, *next++); });
   tree->levels = levels;
   for (GaussianCloud* each : {cloud.get(), &tree->nodes}) {
     each->degree = degree;
@@ -320,14 +309,8 @@ PreparedScene readFociGaussians(const FociContainer& file) {
 }  // namespace
 
 bool isSceneFile(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;  // a pipe never ends
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             &std::fclose);
   // Half of the magic is enough; the rest shows how a transfer has altered the file.
-  std::array<unsigned char, 4> start{};
-  return file && std::fread(start.data(), 1, start.size(), file.get()) == start.size() &&
-         std::equal(start.begin(), start.end(), kFociMagic.begin());
+  return std::ranges::equal(firstBytes(path, 4), std::span(kFociMagic).first(4));
 }
 
 SurfelFileWriter::SurfelFileWriter(const std::filesystem::path& path, std::uint64_t count,

@@ -27,8 +27,7 @@ constexpr std::size_t kEnough = 16;  // Gaussians, to judge their values by
 /// Where the values of a Gaussian lie.
 class Columns {
  public:
-  Columns(const Items& items, const ply::Element& vertex, const std::string& file)
-      : items_(items), file_(file) {
+  Columns(const Items& items, const std::string& file) : items_(items), file_(file) {
     position_ = all({"x", "y", "z"});
     if (has("f_dc_0") || !has("red")) {
       color_ = all({"f_dc_0", "f_dc_1", "f_dc_2"});
@@ -42,7 +41,7 @@ class Columns {
     rotation_ = all({"rot_0", "rot_1", "rot_2", "rot_3"});
     opacity_ = all({"opacity"})[0];
     filter_ = items.find("filter_3d");
-    findHarmonics(vertex);
+    findHarmonics();
   }
 
   int degree() const { return std::min(stored_degree_, kMaxHarmonicsDegree); }
@@ -117,9 +116,9 @@ class Columns {
     return columns;
   }
 
-  void findHarmonics(const ply::Element& vertex) {
-    const auto count = static_cast<int>(std::ranges::count_if(
-        vertex.properties, [](const auto& each) { return each.name.starts_with("f_rest_"); }));
+  void findHarmonics() {
+    const auto isRest = [](const auto& each) { return each.name.starts_with("f_rest_"); };
+    const auto count = static_cast<int>(std::ranges::count_if(items_.element().properties, isRest));
     while (stored_degree_ <= kMaxStoredDegree && 3 * harmonicsOf(stored_degree_) != count) {
       ++stored_degree_;
     }
@@ -201,18 +200,12 @@ bool preservesLight(const ply::Header& header) {
 GaussianFile readGaussianPly(const std::filesystem::path& path) {
   ply::Input input(path);
   ply::Header header = ply::readHeader(input);
-  const ply::Element* const vertex = ply::elementNamed(header, "vertex");
-  if (vertex == nullptr) throw InputError(input.name(), "expected an element vertex");
-  for (const ply::Element& element : header.elements) {
-    if (&element == vertex) break;
-    ply::skipElement(input, element, header);
-  }
-  Items items(input, header, *vertex);
-  const Columns columns(items, *vertex, input.name());
+  Items items = ply::verticesIn(input, header);
+  const Columns columns(items, input.name());
   GaussianFile file{.format = columns.isFlat() ? "PLY of 2D Gaussians" : "PLY"};
   file.cloud.preserves_light = columns.isFiltered() || preservesLight(header);
   if (columns.storedDegree() > columns.degree()) file.remarks.emplace_back(kDegree4);
-  GaussianCollector collector(file, vertex->count, columns.degree());
+  GaussianCollector collector(file, items.element().count, columns.degree());
   std::vector<float> harmonics(file.cloud.harmonicsPerGaussian());
   std::optional<glm::dvec3> origin;  // of the file; the first position in doubles decides
   Plausibility plausibility;

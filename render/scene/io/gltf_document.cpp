@@ -65,36 +65,20 @@ To numberAt(const unsigned char* bytes, bool normalized) {
 template <class To>
 using ReadNumber = To (*)(const unsigned char*, bool);
 
+/// Null for a type that is none, and for floats as integers.
 template <class To>
 ReadNumber<To> readerOf(std::size_t type) {
-  switch (type) {
-    case 5120:
-      return numberAt<std::int8_t, To>;
-    case 5121:
-      return numberAt<std::uint8_t, To>;
-    case 5122:
-      return numberAt<std::int16_t, To>;
-    case 5123:
-      return numberAt<std::uint16_t, To>;
-    case 5125:
-      return numberAt<std::uint32_t, To>;
-    case 5126:
-      if constexpr (std::is_same_v<To, float>) return numberAt<float, To>;
-      return nullptr;
-    default:
-      return nullptr;
-  }
+  constexpr std::size_t kFirst = 5120;
+  constexpr std::array<ReadNumber<To>, 7> kReaders = {
+      numberAt<std::int8_t, To>,
+      numberAt<std::uint8_t, To>,
+      numberAt<std::int16_t, To>,
+      numberAt<std::uint16_t, To>,
+      nullptr,
+      numberAt<std::uint32_t, To>,
+      std::is_same_v<To, float> ? numberAt<float, To> : nullptr};
+  return type >= kFirst && type < kFirst + kReaders.size() ? kReaders[type - kFirst] : nullptr;
 }
-
-}  // namespace
-
-/// Records inside a view, which reach no farther than it.
-struct GltfDocument::Records {
-  const unsigned char* first = nullptr;
-  std::size_t stride = 0;
-};
-
-namespace {
 
 /// Null if there is none.
 const Json* memberOf(const Json& object, const char* key) {
@@ -104,6 +88,12 @@ const Json* memberOf(const Json& object, const char* key) {
 }
 
 }  // namespace
+
+/// Records inside a view, which reach no farther than it.
+struct GltfDocument::Records {
+  const unsigned char* first = nullptr;
+  std::size_t stride = 0;
+};
 
 std::size_t numberIn(const GltfDocument& gltf, const Json& object, const char* key,
                      std::size_t otherwise) {
@@ -125,6 +115,17 @@ const Json& arrayIn(const Json& object, const char* key) {
 const Json* partOf(const Json& object, const char* key) {
   const Json* const found = memberOf(object, key);
   return found != nullptr && found->is_object() ? found : nullptr;
+}
+
+std::optional<std::string> textIn(const Json& object, const char* key) {
+  const Json* const found = memberOf(object, key);
+  return found != nullptr && found->is_string() ? std::optional(found->get<std::string>())
+                                                : std::nullopt;
+}
+
+double fractionIn(const Json& object, const char* key, double otherwise) {
+  const Json* const found = memberOf(object, key);
+  return found != nullptr && found->is_number() ? found->get<double>() : otherwise;
 }
 
 const Json* extensionOf(const Json& object, const char* name) {
@@ -189,10 +190,8 @@ void GltfDocument::parse(Bytes file) {
   }
   if (!json_.is_object()) refuse("is not glTF: expected a JSON object");
   const Json* const asset = partOf(json_, "asset");
-  const Json version = asset != nullptr ? asset->value("version", Json()) : Json();
-  if (version.is_string() && !version.get<std::string>().starts_with("2")) {
-    refuseVersion(shown(version.get<std::string>()));
-  }
+  const auto version = asset != nullptr ? textIn(*asset, "version") : std::nullopt;
+  if (version && !version->starts_with("2")) refuseVersion(shown(*version));
   if (partOf(json_, "nodes") != nullptr) refuseVersion("1");
 }
 
@@ -262,16 +261,12 @@ GltfDocument::Bytes GltfDocument::buffer(std::size_t number) const {
   const Json* const buffer = entry("buffers", number);
   if (buffer == nullptr) refuse("has no buffer ", number);
   Bytes bytes = chunk_;
-  if (const auto uri = buffer->find("uri"); uri != buffer->end() && uri->is_string()) {
-    const auto name = uri->get<std::string>();
-    if (auto data = dataOf(name)) {
+  if (const auto uri = textIn(*buffer, "uri")) {
+    if (auto data = dataOf(*uri)) {
       bytes = unpacked_[number] = std::move(*data);
     } else {
-      auto file = namedFile(path_, name);
-      if (!file) file = namedFile(path_, percentDecoded(name));
-      if (!file) {
-        refuse("its buffer ", shown(name), " is missing: put that file beside it");
-      }
+      const auto file = fileOfUri(path_, *uri);
+      if (!file) refuse("its buffer ", shown(*uri), " is missing: put that file beside it");
       requireRegularFile(*file);
       budget_.addFile(*file);
       bytes = files_.emplace_back(std::make_unique<MappedFile>(*file))->bytes();

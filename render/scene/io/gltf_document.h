@@ -118,6 +118,10 @@ std::array<double, N> listIn(const nlohmann::json& object, const char* key,
 /// An object inside an object; null if there is none.
 const nlohmann::json* partOf(const nlohmann::json& object, const char* key);
 
+/// A text or a number inside an object.
+std::optional<std::string> textIn(const nlohmann::json& object, const char* key);
+double fractionIn(const nlohmann::json& object, const char* key, double otherwise);
+
 /// What an extension says of an object; null if it says nothing.
 const nlohmann::json* extensionOf(const nlohmann::json& object, const char* name);
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <deque>
 #include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <limits>
 #include <map>
 #include <span>
@@ -43,20 +44,29 @@ glm::vec3 unitColor(const glm::dvec3& color) {
                    color.z >= 0.0 ? std::min(color.z, 1.0) : 0.0);
 }
 
-std::string nameOf(const Json& object) {
-  const auto name = object.find("name");
-  return name != object.end() && name->is_string() ? name->get<std::string>() : "";
-}
-
 /// The materials of a glTF (section 3.9), with KHR_texture_transform, EXT_texture_webp,
 /// KHR_texture_basisu, KHR_materials_unlit and KHR_materials_pbrSpecularGlossiness.
 class GltfMaterials {
  public:
   /// @param builder  reads the textures; has to stay, as the document
-  GltfMaterials(const GltfDocument& gltf, MeshBuilder& builder);
+  GltfMaterials(const GltfDocument& gltf, MeshBuilder& builder) : gltf_(gltf), builder_(builder) {
+    plain_ = static_cast<std::uint32_t>(arrayIn(gltf.json(), "materials").size());
+    const bool basis =
+        std::ranges::any_of(arrayIn(gltf.json(), "textures"), [](const Json& texture) {
+          return extensionOf(texture, "KHR_texture_basisu") != nullptr &&
+                 !texture.contains("source");
+        });
+    if (!basis) return;
+    builder.remark(
+        "textures in KTX2 (KHR_texture_basisu) are left out: make them PNG or JPEG, e.g. with "
+        "gltf-transform");
+  }
 
   /// The number of a primitive's material; that of a plain one if it names none.
-  std::uint32_t numberOf(const nlohmann::json& primitive) const;
+  std::uint32_t numberOf(const Json& primitive) const {
+    const std::size_t number = numberIn(gltf_, primitive, "material", plain_);
+    return number < plain_ ? static_cast<std::uint32_t>(number) : plain_;
+  }
 
   /// How a material places the texture of its colour: the set of texture coordinates, and what is
   /// done to these, whose v points downwards.
@@ -71,158 +81,125 @@ class GltfMaterials {
       return {placed.x, 1.0f - placed.y};
     }
   };
-  Placement placementOf(std::uint32_t material) const;
 
-  ReadMaterial read(std::uint32_t material);
+  Placement placementOf(std::uint32_t number) const {
+    const Json* const material = gltf_.entry("materials", number);
+    if (material == nullptr) return {};
+    const Color color = colorOf(*material);
+    const Json& texture = *color.texture;
+    Placement placement{.set = numberIn(gltf_, texture, "texCoord", 0), .glows = color.glows};
+    const Json* const moved = extensionOf(texture, "KHR_texture_transform");
+    if (moved == nullptr) return placement;
+    placement.set = numberIn(gltf_, *moved, "texCoord", placement.set);
+    const auto offset = listIn<2>(*moved, "offset", {0.0, 0.0}),
+               scale = listIn<2>(*moved, "scale", {1.0, 1.0});
+    const double angle_rad = fractionIn(*moved, "rotation", 0.0);
+    // Scales, turns, then moves; in a frame whose v points downwards, (u, v) turns towards (v, -u).
+    const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+    placement.transform = glm::dmat3(glm::dvec3(scale[0] * c, -scale[0] * s, 0.0),
+                                     glm::dvec3(scale[1] * s, scale[1] * c, 0.0),
+                                     glm::dvec3(offset[0], offset[1], 1.0));
+    return placement;
+  }
+
+  ReadMaterial read(std::uint32_t number) {
+    const Json* const from = gltf_.entry("materials", number);
+    if (from == nullptr) return {.material = {.factor = kPlainSurface, .alpha = AlphaUse::none}};
+    ReadMaterial read;
+    MeshMaterial& material = read.material;
+    const Color color = colorOf(*from);
+    material.factor = color.factor;
+    material.tinted = !builder_.takeLight(color.glows, color.emitted, material);
+    material.unlit |= extensionOf(*from, "KHR_materials_unlit") != nullptr;
+    readAlpha(*from, color.glows ? 1.0f : color.alpha, material);
+    const ImageSource source = imageOf(*color.texture);
+    if (!source.name.empty()) {
+      material.texture = builder_.textures().read(source);
+      if (const Json* const texture = gltf_.entry("textures", *color.texture, "index")) {
+        static const Json kPlainSampler = Json::object();
+        const Json* sampler = gltf_.entry("samplers", *texture, "sampler");
+        if (sampler == nullptr) sampler = &kPlainSampler;
+        material.wrap = {wrapOf(numberIn(gltf_, *sampler, "wrapS", 0)),
+                         wrapOf(numberIn(gltf_, *sampler, "wrapT", 0))};
+      }
+    }
+    read.facts.emplace();
+    read.facts->name = textIn(*from, "name").value_or("");
+    read.facts->opacity = material.alpha == AlphaUse::blend ? material.opacity : 1.0f;
+    if (!source.name.empty()) read.facts->textures = {factsOf(source)};
+    return read;
+  }
 
  private:
-  struct Color;
+  /// The colour of a material, and its texture; an empty object if it has none.
+  struct Color {
+    glm::vec3 factor{1.0f}, emitted{0.0f};
+    float alpha = 1.0f;
+    const Json* texture = nullptr;  // not null
+    bool glows = false;             // black but for the light that it emits
+  };
 
-  Color colorOf(const nlohmann::json& material) const;
-  ImageSource imageOf(const nlohmann::json& texture);
-  void readAlpha(const nlohmann::json& from, float base_alpha, MeshMaterial& material) const;
+  Color colorOf(const Json& material) const {
+    Color color;
+    const Json* const specular = extensionOf(material, "KHR_materials_pbrSpecularGlossiness");
+    const Json& base = specular ? *specular : objectIn(material, "pbrMetallicRoughness");
+    const auto factor =
+        listIn<4>(base, specular ? "diffuseFactor" : "baseColorFactor", {1.0, 1.0, 1.0, 1.0});
+    color.factor = unitColor({factor[0], factor[1], factor[2]});
+    color.alpha = static_cast<float>(factor[3] >= 0.0 ? std::min(factor[3], 1.0) : 0.0);
+    color.texture = &objectIn(base, specular ? "diffuseTexture" : "baseColorTexture");
+    const auto emitted = listIn<3>(material, "emissiveFactor", {0.0, 0.0, 0.0});
+    color.emitted = unitColor({emitted[0], emitted[1], emitted[2]});
+    color.glows = color.factor == glm::vec3(0.0f) && color.emitted != glm::vec3(0.0f);
+    if (color.glows) color.texture = &objectIn(material, "emissiveTexture");
+    return color;
+  }
+
+  ImageSource imageOf(const Json& texture) {
+    const Json* const entry = gltf_.entry("textures", texture, "index");
+    if (entry == nullptr) return {};
+    const Json* image = gltf_.entry("images", *entry, "source");
+    if (const Json* const webp = extensionOf(*entry, "EXT_texture_webp"); webp && !image) {
+      image = gltf_.entry("images", *webp, "source");
+    }
+    if (image == nullptr) return {};
+    ImageSource source{textIn(*image, "name").value_or("")};
+    if (const auto uri = textIn(*image, "uri")) {
+      if (auto data = GltfDocument::dataOf(*uri)) {
+        source.bytes = images_.emplace_back(std::move(*data));
+      } else {
+        source.file = namedFile(gltf_.path(), *uri);
+        source.name = source.file ? *uri : percentDecoded(*uri);
+        if (!source.file) source.file = namedFile(gltf_.path(), source.name);
+      }
+    } else {
+      source.bytes = gltf_.view(numberIn(gltf_, *image, "bufferView", kNoEntry));
+    }
+    if (source.name.empty()) source.name = "image";
+    return source;
+  }
+
+  /// @param base_alpha  of the material's colour
+  void readAlpha(const Json& from, float base_alpha, MeshMaterial& material) const {
+    const Json mode = from.value("alphaMode", Json("OPAQUE"));
+    material.alpha = AlphaUse::none;
+    if (mode == "MASK") {  // the cutoff applies to the product with the base colour's alpha
+      material.cutoff =
+          static_cast<float>(fractionIn(from, "alphaCutoff", double{material.cutoff}));
+      if (material.cutoff > 0.0f) material.alpha = AlphaUse::cut;
+      material.cutoff =
+          base_alpha > 0.0f ? material.cutoff / base_alpha : std::numeric_limits<float>::infinity();
+    } else if (mode == "BLEND") {
+      material.alpha = AlphaUse::blend;
+      material.opacity = base_alpha;
+    }
+  }
 
   const GltfDocument& gltf_;
   MeshBuilder& builder_;
   std::uint32_t plain_ = 0;                        // the number after the last
   std::deque<std::vector<unsigned char>> images_;  // inside URIs; their places stay
 };
-
-/// The colour of a material, and its texture; an empty object if it has none.
-struct GltfMaterials::Color {
-  glm::vec3 factor{1.0f}, emitted{0.0f};
-  float alpha = 1.0f;
-  const Json* texture = nullptr;  // not null
-  bool glows = false;             // black but for the light that it emits
-};
-
-GltfMaterials::GltfMaterials(const GltfDocument& gltf, MeshBuilder& builder)
-    : gltf_(gltf), builder_(builder) {
-  plain_ = static_cast<std::uint32_t>(arrayIn(gltf.json(), "materials").size());
-  const bool basis = std::ranges::any_of(arrayIn(gltf.json(), "textures"), [](const Json& texture) {
-    return extensionOf(texture, "KHR_texture_basisu") != nullptr && !texture.contains("source");
-  });
-  if (!basis) return;
-  builder.remark(
-      "textures in KTX2 (KHR_texture_basisu) are left out: make them PNG or JPEG, e.g. with "
-      "gltf-transform");
-}
-
-std::uint32_t GltfMaterials::numberOf(const Json& primitive) const {
-  const std::size_t number = numberIn(gltf_, primitive, "material", plain_);
-  return number < plain_ ? static_cast<std::uint32_t>(number) : plain_;
-}
-
-GltfMaterials::Color GltfMaterials::colorOf(const Json& material) const {
-  Color color;
-  const Json* const specular = extensionOf(material, "KHR_materials_pbrSpecularGlossiness");
-  const Json& base = specular ? *specular : objectIn(material, "pbrMetallicRoughness");
-  const auto factor =
-      listIn<4>(base, specular ? "diffuseFactor" : "baseColorFactor", {1.0, 1.0, 1.0, 1.0});
-  color.factor = unitColor({factor[0], factor[1], factor[2]});
-  color.alpha = static_cast<float>(factor[3] >= 0.0 ? std::min(factor[3], 1.0) : 0.0);
-  color.texture = &objectIn(base, specular ? "diffuseTexture" : "baseColorTexture");
-  const auto emitted = listIn<3>(material, "emissiveFactor", {0.0, 0.0, 0.0});
-  color.emitted = unitColor({emitted[0], emitted[1], emitted[2]});
-  color.glows = color.factor == glm::vec3(0.0f) && color.emitted != glm::vec3(0.0f);
-  if (color.glows) color.texture = &objectIn(material, "emissiveTexture");
-  return color;
-}
-
-GltfMaterials::Placement GltfMaterials::placementOf(std::uint32_t number) const {
-  const Json* const material = gltf_.entry("materials", number);
-  if (material == nullptr) return {};
-  const Color color = colorOf(*material);
-  const Json& texture = *color.texture;
-  Placement placement{.set = numberIn(gltf_, texture, "texCoord", 0), .glows = color.glows};
-  const Json* const moved = extensionOf(texture, "KHR_texture_transform");
-  if (moved == nullptr) return placement;
-  placement.set = numberIn(gltf_, *moved, "texCoord", placement.set);
-  const auto offset = listIn<2>(*moved, "offset", {0.0, 0.0}),
-             scale = listIn<2>(*moved, "scale", {1.0, 1.0});
-  const auto stated = moved->find("rotation");
-  const double angle_rad =
-      stated != moved->end() && stated->is_number() ? stated->get<double>() : 0.0;
-  // Scales, turns, then moves; in a frame whose v points downwards, (u, v) turns towards (v, -u).
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  placement.transform = glm::dmat3(glm::dvec3(scale[0] * c, -scale[0] * s, 0.0),
-                                   glm::dvec3(scale[1] * s, scale[1] * c, 0.0),
-                                   glm::dvec3(offset[0], offset[1], 1.0));
-  return placement;
-}
-
-ImageSource GltfMaterials::imageOf(const Json& texture) {
-  const Json* const entry = gltf_.entry("textures", texture, "index");
-  if (entry == nullptr) return {};
-  const Json* image = gltf_.entry("images", *entry, "source");
-  if (const Json* const webp = extensionOf(*entry, "EXT_texture_webp"); webp && !image) {
-    image = gltf_.entry("images", *webp, "source");
-  }
-  if (image == nullptr) return {};
-  ImageSource source{nameOf(*image)};
-  if (const auto uri = image->find("uri"); uri != image->end() && uri->is_string()) {
-    const auto name = uri->get<std::string>();
-    if (auto data = GltfDocument::dataOf(name)) {
-      source.bytes = images_.emplace_back(std::move(*data));
-    } else {
-      source.name = name;
-      source.file = namedFile(gltf_.path(), name);
-      if (!source.file) {
-        source.name = percentDecoded(name);
-        source.file = namedFile(gltf_.path(), source.name);
-      }
-    }
-  } else {
-    source.bytes = gltf_.view(numberIn(gltf_, *image, "bufferView", kNoEntry));
-  }
-  if (source.name.empty()) source.name = "image";
-  return source;
-}
-
-ReadMaterial GltfMaterials::read(std::uint32_t number) {
-  const Json* const from = gltf_.entry("materials", number);
-  if (from == nullptr) return {.material = {.factor = kPlainSurface, .alpha = AlphaUse::none}};
-  ReadMaterial read;
-  MeshMaterial& material = read.material;
-  const Color color = colorOf(*from);
-  builder_.noteLight(color.glows, color.emitted);
-  material.factor = color.glows ? color.emitted : color.factor;
-  material.tinted = !color.glows;
-  material.unlit = color.glows || extensionOf(*from, "KHR_materials_unlit") != nullptr;
-  readAlpha(*from, color.glows ? 1.0f : color.alpha, material);
-  const ImageSource source = imageOf(*color.texture);
-  if (!source.name.empty()) {
-    material.texture = builder_.textures().read(source);
-    if (const Json* const texture = gltf_.entry("textures", *color.texture, "index")) {
-      static const Json kPlainSampler = Json::object();
-      const Json* sampler = gltf_.entry("samplers", *texture, "sampler");
-      if (sampler == nullptr) sampler = &kPlainSampler;
-      material.wrap = {wrapOf(numberIn(gltf_, *sampler, "wrapS", 0)),
-                       wrapOf(numberIn(gltf_, *sampler, "wrapT", 0))};
-    }
-  }
-  read.facts.emplace();
-  read.facts->name = nameOf(*from);
-  read.facts->opacity = material.alpha == AlphaUse::blend ? material.opacity : 1.0f;
-  if (!source.name.empty()) read.facts->textures = {factsOf(source)};
-  return read;
-}
-
-/// @param base_alpha  of the material's colour
-void GltfMaterials::readAlpha(const Json& from, float base_alpha, MeshMaterial& material) const {
-  const Json mode = from.value("alphaMode", Json("OPAQUE"));
-  material.alpha = AlphaUse::none;
-  if (mode == "MASK") {  // the cutoff applies to the product with the base colour's alpha
-    const auto stated = from.find("alphaCutoff");
-    if (stated != from.end() && stated->is_number()) material.cutoff = stated->get<float>();
-    if (material.cutoff > 0.0f) material.alpha = AlphaUse::cut;
-    material.cutoff =
-        base_alpha > 0.0f ? material.cutoff / base_alpha : std::numeric_limits<float>::infinity();
-  } else if (mode == "BLEND") {
-    material.alpha = AlphaUse::blend;
-    material.opacity = base_alpha;
-  }
-}
 
 // Exporters need far fewer; 2^26 corners take about 3 GB.
 constexpr double kMaxCorners = 1 << 26;
@@ -401,9 +378,9 @@ class GltfMeshReader {
     }
   }
 
-  /// v'' = sum of w_j G_j B_j v' over the joints j, with G_j the joint's place in the scene and B_j
-  /// its inverse bind matrix. Weights are divided by their sum; a vertex without weights follows
-  /// the first joint.
+  /// v'' = sum of w_j G_j B_j v' over the joints j, with G_j the joint's place in the scene and
+  /// B_j its inverse bind matrix. Weights are divided by their sum; a vertex without weights
+  /// follows the first joint.
   void applySkin(const GltfPlace& place, const Json& json, std::vector<glm::vec3>& positions,
                  std::vector<glm::vec3>& normals) const {
     const std::vector<glm::mat4> joints = jointsOf(place);
@@ -443,11 +420,7 @@ class GltfMeshReader {
       if (node >= nodes_.size()) refuseShape(place, "the skin");
       glm::dmat4 joint = nodes_.sceneFrom(node);
       if (const std::size_t first = 16 * joints.size(); first + 16 <= bind.size()) {
-        glm::dmat4 matrix;
-        for (std::size_t i = 0; i < 16; ++i) {
-          matrix[static_cast<int>(i / 4)][static_cast<int>(i % 4)] = double{bind[first + i]};
-        }
-        joint *= matrix;
+        joint *= glm::dmat4(glm::make_mat4(&bind[first]));
       }
       joints.emplace_back(joint);
     }

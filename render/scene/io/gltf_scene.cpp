@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
 #include "base/text.h"
@@ -29,11 +30,8 @@ glm::dmat4 placeOf(const std::array<double, 3>& t, const std::array<double, 4>& 
 /// From a node to its parent.
 glm::dmat4 parentFrom(const Json& node) {
   if (node.contains("matrix")) {
-    const auto all = listIn<16>(node, "matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
-    glm::dmat4 matrix;
-    for (std::size_t i = 0; i < 16; ++i)
-      matrix[static_cast<int>(i / 4)][static_cast<int>(i % 4)] = all[i];
-    return matrix;
+    constexpr std::array<double, 16> kUnit = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    return glm::make_mat4(listIn(node, "matrix", kUnit).data());
   }
   return placeOf(listIn<3>(node, "translation", {0, 0, 0}),
                  listIn<4>(node, "rotation", {0, 0, 0, 1}), listIn<3>(node, "scale", {1, 1, 1}));
@@ -89,11 +87,7 @@ class Walk {
     count(1.0);
     open_[number] = 1;
     const glm::dmat4 scene_from_node = scene_from_parent * parentFrom(*node);
-    const auto own = node->find("name");
-    const std::string name =
-        own != node->end() && own->is_string() && !own->get<std::string>().empty()
-            ? own->get<std::string>()
-            : above;
+    const std::string own = textIn(*node, "name").value_or(""), &name = own.empty() ? above : own;
     if (gltf_.entry("meshes", *node, "mesh") != nullptr) {
       addPlaces(*node, {.node = number,
                         .mesh = numberIn(gltf_, *node, "mesh", kNoEntry),

@@ -158,8 +158,7 @@ class SectionReader {
       throw InputError(name_, "a section is damaged: a Gaussian is in bucket ", bucket + 1, " of ",
                        section_.buckets);
     }
-    const std::size_t at = section_.bucket_bytes * bucket;
-    return {floatAt(centres_, at), floatAt(centres_, at + 4), floatAt(centres_, at + 8)};
+    return vec3At(centres_, section_.bucket_bytes * bucket);
   }
 
   RawGaussian gaussianOf(std::span<const unsigned char> record, std::uint32_t i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -39,19 +40,8 @@ struct LasHeader {
 };
 
 /// Records of variable length: of the coordinate system, by number.
-struct LasRecords {
-  std::vector<unsigned char> keys, doubles, ascii, wkt;
-
-  void take(std::string_view user, unsigned number, std::span<const unsigned char> content) {
-    if (!user.starts_with("LASF_Projection")) return;
-    std::vector<unsigned char>* const into = number == 34735   ? &keys
-                                             : number == 34736 ? &doubles
-                                             : number == 34737 ? &ascii
-                                             : number == 2112  ? &wkt
-                                                               : nullptr;
-    if (into != nullptr) into->assign(content.begin(), content.end());
-  }
-};
+using LasRecords = std::map<unsigned, std::span<const unsigned char>>;
+constexpr unsigned kGeoKeys = 34735, kGeoDoubles = 34736, kGeoAscii = 34737, kWkt = 2112;
 
 std::string_view textOf(std::span<const unsigned char> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -69,26 +59,24 @@ void readRecords(const FileBytes& file, std::uint64_t at, std::uint64_t end, std
     const std::uint64_t length = late ? u64At(header, kLengthAt) : u16At(header, kLengthAt);
     at += head;
     if (length > end - at) return;
-    records.take(textOf(header.subspan(kUserAt, kNumberAt - kUserAt)), u16At(header, kNumberAt),
-                 file.part(at, length));
+    const std::string_view user = textOf(header.subspan(kUserAt, kNumberAt - kUserAt));
+    if (user.starts_with("LASF_Projection")) {
+      records[u16At(header, kNumberAt)] = file.part(at, length);
+    }
     at += length;
   }
 }
 
-LasCoordinates coordinatesOf(const LasRecords& records, bool prefers_wkt) {
-  const bool by_wkt = !records.wkt.empty() && (prefers_wkt || records.keys.empty());
-  LasCoordinates found =
-      by_wkt ? coordinatesOfWkt(textOf(records.wkt))
-             : coordinatesOfGeoKeys(records.keys, records.doubles, textOf(records.ascii));
+LasCoordinates coordinatesOf(LasRecords& records, bool prefers_wkt) {
+  const bool by_wkt = !records[kWkt].empty() && (prefers_wkt || records[kGeoKeys].empty());
+  LasCoordinates found = by_wkt ? coordinatesOfWkt(textOf(records[kWkt]))
+                                : coordinatesOfGeoKeys(records[kGeoKeys], records[kGeoDoubles],
+                                                       textOf(records[kGeoAscii]));
   for (auto* const unit : {&found.unit_m, &found.height_unit_m, &found.unit_deg}) {
     constexpr double kMost = 1e6;
     if (*unit && !(**unit >= 1.0 / kMost && **unit <= kMost)) unit->reset();
   }
   return found;
-}
-
-glm::dvec3 vectorAt(std::span<const unsigned char> bytes, std::size_t at) {
-  return {doubleAt(bytes, at), doubleAt(bytes, at + 8), doubleAt(bytes, at + 16)};
 }
 
 LasHeader readLasHeader(const FileBytes& file) {
@@ -120,8 +108,8 @@ LasHeader readLasHeader(const FileBytes& file) {
     throw refuse("has points of ", header.record_bytes, " bytes: point format ", format, " needs ",
                  header.format.bytes);
   }
-  header.scale = vectorAt(raw, 131);
-  header.offset = vectorAt(raw, 155);
+  header.scale = dvec3At(raw, 131);
+  header.offset = dvec3At(raw, 155);
   if (minor == 4) {
     if (file.size() < kHeader14) throw refuse("ends in its header");
     header.points = std::max(header.points, u64At(raw, 247));
@@ -139,8 +127,8 @@ LasHeader readLasHeader(const FileBytes& file) {
   if (minor == 4) {
     readRecords(file, u64At(raw, 235), file.size(), u32At(raw, 243), true, records);
   }
-  constexpr unsigned kEncodingAt = 6, kWkt = 1u << 4u;
-  header.coordinates = coordinatesOf(records, (u16At(raw, kEncodingAt) & kWkt) != 0);
+  constexpr unsigned kEncodingAt = 6, kPrefersWkt = 1u << 4u;
+  header.coordinates = coordinatesOf(records, (u16At(raw, kEncodingAt) & kPrefersWkt) != 0);
   const std::uint64_t room = (file.size() - header.data_at) / header.record_bytes;
   if (header.points > room) {
     throw refuse("says that it has ", header.points, " points: the file has room for at most ",
@@ -225,14 +213,11 @@ PointCloud readLas(const std::filesystem::path& path) {
   for (std::uint64_t i = 0; i < header.points; ++i) {
     const auto record =
         file.all().subspan(header.data_at + i * header.record_bytes, header.record_bytes);
-    const glm::dvec3 steps(static_cast<std::int32_t>(u32At(record, 0)),
-                           static_cast<std::int32_t>(u32At(record, 4)),
-                           static_cast<std::int32_t>(u32At(record, 8)));
+    const glm::dvec3 steps(valueAt<glm::ivec3>(record, 0));
     if (!positions.append(places.placeOf(steps * header.scale + header.offset))) continue;
     intensity.push_back(u16At(record, kIntensityAt));
     if (!has_color) continue;
-    const std::size_t at = header.format.color_at;
-    codes.push_back({u16At(record, at), u16At(record, at + 2), u16At(record, at + 4)});
+    codes.push_back(valueAt<std::array<std::uint16_t, 3>>(record, header.format.color_at));
     brightest = std::max({brightest, codes.back()[0], codes.back()[1], codes.back()[2]});
   }
   positions.finish(file.name());

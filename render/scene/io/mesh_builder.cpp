@@ -239,17 +239,21 @@ void MeshBuilder::remarkLeftOut(std::uint64_t points, std::uint64_t lines) {
               " lines beside the triangles are left out");
 }
 
-void MeshBuilder::noteLight(bool glows, const glm::vec3& emitted) {
+bool MeshBuilder::takeLight(bool is_black, const glm::vec3& emitted, MeshMaterial& material) {
+  const bool emits = emitted != glm::vec3(0.0f), glows = emits && is_black;
   if (glows && !glowing_) {
     remark(
         "materials that are black but emit light have the colour of that light; they light nothing "
         "else");
-  } else if (!glows && emitted != glm::vec3(0.0f) && !dimmed_) {
+  } else if (!glows && emits && !dimmed_) {
     remark(
         "materials that emit light and have a colour are shown in that colour, without the light");
   }
   glowing_ |= glows;
-  dimmed_ |= !glows && emitted != glm::vec3(0.0f);
+  dimmed_ |= !glows && emits;
+  if (glows) material.factor = emitted;
+  material.unlit = glows;
+  return glows;
 }
 
 bool MeshBuilder::useAlpha() {

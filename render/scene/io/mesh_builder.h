@@ -58,15 +58,17 @@ class MeshBuilder {
   void addPolygon(std::span<const MeshCorner> corners, std::uint32_t material);
 
   void remark(std::string text) { mesh_.remarks.push_back(std::move(text)); }
+  std::vector<std::string>& remarks() { return mesh_.remarks; }
   /// "3 triangles" and what they do, or "1 triangle" and what it does; nothing for none.
   void remarkCount(std::uint64_t count, const std::string& one, const std::string& several);
 
   /// Names what a mesh holds beside its triangles.
   void remarkLeftOut(std::uint64_t points, std::uint64_t lines);
 
-  /// Names, once, what becomes of light that materials emit.
-  /// @param glows  whether the material is black but for that light
-  void noteLight(bool glows, const glm::vec3& emitted);
+  /// A material that is black but emits light has the colour of that light. Names, once, what
+  /// becomes of light that materials emit.
+  /// @return whether it is such a material
+  bool takeLight(bool is_black, const glm::vec3& emitted, MeshMaterial& material);
 
   /// Those of the materials: `finish` adds their remarks.
   MeshTextures& textures() { return textures_; }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "base/file.h"
@@ -47,8 +46,6 @@ DecodedImage maskOf(DecodedImage image) {
   return image;
 }
 
-namespace fs = std::filesystem;
-
 constexpr int kMaxEntries = 10'000;  // of a folder that is searched
 
 bool isFile(const fs::path& path) {
@@ -79,8 +76,6 @@ std::optional<fs::path> fileBelow(const fs::path& folder, const fs::path& name) 
   }
   return at && isFile(*at) ? at : std::nullopt;
 }
-
-namespace fs = std::filesystem;
 
 class Companions {
  public:
@@ -119,11 +114,8 @@ class Companions {
     const GltfDocument gltf(mesh_);
     for (const char* list : {"buffers", "images"}) {
       for (const auto& entry : arrayIn(gltf.json(), list)) {
-        if (!entry.is_object() || !entry.contains("uri") || !entry.at("uri").is_string()) continue;
-        const std::string uri = entry.at("uri").get<std::string>();
-        if (uri.starts_with("data:")) continue;
-        const auto file = namedFile(mesh_, uri);
-        add(file ? file : namedFile(mesh_, percentDecoded(uri)));
+        const auto uri = textIn(entry, "uri");
+        if (uri && !uri->starts_with("data:")) add(fileOfUri(mesh_, *uri));
       }
     }
   }
@@ -211,6 +203,11 @@ std::string percentDecoded(std::string_view uri) {
     if (encoded) i += 2;
   }
   return text;
+}
+
+std::optional<fs::path> fileOfUri(const fs::path& beside, const std::string& uri) {
+  const auto file = namedFile(beside, uri);
+  return file ? file : namedFile(beside, percentDecoded(uri));
 }
 
 std::vector<fs::path> meshCompanions(const fs::path& mesh) {

@@ -67,6 +67,10 @@ std::string_view plainName(std::string_view name);
 /// A URI as the name of a file: "%20" becomes a blank (RFC 3986).
 std::string percentDecoded(std::string_view uri);
 
+/// The file that a URI means, as it stands, or else decoded.
+std::optional<std::filesystem::path> fileOfUri(const std::filesystem::path& beside,
+                                               const std::string& uri);
+
 /// The files that a mesh names and that are there, each once: the material files of an OBJ and
 /// their textures, the buffers and images of a glTF, the textures of a PLY. Never fails: what
 /// cannot be read names none.

@@ -175,7 +175,7 @@ class ObjMesh {
       : path_(path), obj_(std::move(obj)), builder_(path) {}
 
   MeshFile read() {
-    for (std::string& remark : obj_.remarks) builder_.remark(std::move(remark));
+    builder_.remarks() = std::move(obj_.remarks);
     readLibraries();
     build();
     builder_.remarkCount(obj_.two_corners,
@@ -270,12 +270,8 @@ class ObjMesh {
     }
     MeshMaterial& material = read.material;
     if (from->diffuse) material.factor = linearColor(*from->diffuse);
-    const glm::vec3 emitted = linearColor(from->emitted);
-    const bool glows =
-        from->diffuse && material.factor == glm::vec3(0.0f) && emitted != glm::vec3(0.0f);
-    builder_.noteLight(glows, emitted);
-    if (glows) material.factor = emitted;
-    material.unlit = glows;
+    const bool is_black = from->diffuse && material.factor == glm::vec3(0.0f);
+    const bool glows = builder_.takeLight(is_black, linearColor(from->emitted), material);
     const float transparency = from->transparency.value_or(0.0f);
     const float opacity = from->opacity.value_or(1.0f - transparency);
     material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;

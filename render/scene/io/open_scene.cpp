@@ -98,6 +98,9 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
 
 OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm::vec3>& viewpoint_m,
                       const Fineness& fineness, const SurfelStore& store) {
+  const auto surfelsAt = [&](PointCloud&& points) {
+    return surfelsFromPoints(std::move(points), {.viewpoint_m = viewpoint_m});
+  };
   if (const auto* const streamed = std::get_if<StreamedGaussians>(&file.content)) {
     const auto unit_m = static_cast<float>(scale_m);
     const Fineness in_file = [&](const glm::vec3& low, const glm::vec3& high) {
@@ -120,15 +123,12 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
     cloud.gaussians = std::make_shared<GaussianCloud>(std::move(gaussians->cloud));
     if (gaussians->mesh) {
       scale(gaussians->mesh->corners_m, factor);
-      SurfelCloud surfels = surfelsFromPoints(sampleMesh(*gaussians->mesh, file.path, {}),
-                                              {.viewpoint_m = viewpoint_m});
-      cloud = joined(std::move(cloud), std::move(surfels), "mesh");
+      cloud =
+          joined(std::move(cloud), surfelsAt(sampleMesh(*gaussians->mesh, file.path, {})), "mesh");
     }
     if (gaussians->points) {
       scale(gaussians->points->position_m, factor);
-      cloud = joined(std::move(cloud),
-                     surfelsFromPoints(std::move(*gaussians->points), {.viewpoint_m = viewpoint_m}),
-                     "points");
+      cloud = joined(std::move(cloud), surfelsAt(std::move(*gaussians->points)), "points");
     }
     return {std::move(cloud), gaussians->dropped, std::move(gaussians->remarks)};
   }
@@ -137,9 +137,8 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
   };
   if (auto* const read = std::get_if<MeshFile>(&file.content)) {
     auto mesh = scaledMesh(std::move(*read), static_cast<float>(scale_m));
-    SurfelCloud cloud = surfelsOf({.mesh = mesh.get()}, [&] {
-      return surfelsFromPoints(sampleMesh(*mesh, file.path, {}), {.viewpoint_m = viewpoint_m});
-    });
+    SurfelCloud cloud = surfelsOf({.mesh = mesh.get()},
+                                  [&] { return surfelsAt(sampleMesh(*mesh, file.path, {})); });
     std::vector<std::string> remarks = mesh->remarks;
     cloud.mesh = std::move(mesh);
     return {std::move(cloud), 0, std::move(remarks)};
@@ -149,8 +148,7 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
   std::vector<std::string> remarks = std::move(points.remarks);
   const SurfelSource source{.points = &points,
                             .viewpoint_m = lacksNormals(points) ? viewpoint_m : std::nullopt};
-  SurfelCloud cloud = surfelsOf(
-      source, [&] { return surfelsFromPoints(std::move(points), {.viewpoint_m = viewpoint_m}); });
+  SurfelCloud cloud = surfelsOf(source, [&] { return surfelsAt(std::move(points)); });
   return {std::move(cloud), dropped, std::move(remarks)};
 }
 

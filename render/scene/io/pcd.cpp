@@ -255,7 +255,7 @@ PointCloud readPcd(const std::filesystem::path& path) {
   PointCloud points;
   const auto read = [&](ply::Input& from) {
     ply::Items items(from, header, header.elements[0]);
-    points = readVertices(items, pcd.points, input.name());
+    points = readVertices(items, input.name());
   };
   if (pcd.data == "binary") {
     read(input);

@@ -1,13 +1,12 @@
 #include "render/scene/io/ply.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
+#include <cstdint>
+#include <fstream>
 #include <initializer_list>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -83,8 +82,9 @@ constexpr std::size_t kWriteBlock = 1 << 20;  // bytes written together
 
 }  // namespace
 
-PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::string& file) {
+PointCloud readVertices(ply::Items& items, const std::string& file) {
   const Layout layout(items, file);
+  const std::uint64_t count = items.element().count;
   PointCloud points;
   points.position_m.reserve(count);
   if (!layout.color.empty()) points.color.reserve(count);
@@ -139,25 +139,15 @@ PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::strin
 PointCloud readPly(const std::filesystem::path& path) {
   ply::Input input(path);
   ply::Header header = ply::readHeader(input);
-  for (const ply::Element& element : header.elements) {
-    if (element.name != "vertex") {
-      ply::skipElement(input, element, header);
-      continue;
-    }
-    ply::Items items(input, header, element);
-    PointCloud points = readVertices(items, element.count, input.name());
-    if (auto edges = ply::edgesRemark(header)) points.remarks.push_back(std::move(*edges));
-    return points;
-  }
-  throw InputError(input.name(), "has no element vertex");
+  ply::Items items = ply::verticesIn(input, header);
+  PointCloud points = readVertices(items, input.name());
+  if (auto edges = ply::edgesRemark(header)) points.remarks.push_back(std::move(*edges));
+  return points;
 }
 
 void writePly(const std::filesystem::path& path, const PointCloud& points,
               const PlyProperty& further) {
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "wb"));
+  std::ofstream file(path, std::ios::binary);
   std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " +
                     std::to_string(points.size()) +
                     "\nproperty float x\nproperty float y\nproperty float z\n";
@@ -168,16 +158,13 @@ void writePly(const std::filesystem::path& path, const PointCloud& points,
   if (!further.values.empty()) out += "property float " + further.name + "\n";
   out += "end_header\n";
 
-  const auto put = [&out](float value) {
-    auto raw = std::bit_cast<std::array<char, 4>>(value);
-    if (std::endian::native == std::endian::big) std::reverse(raw.begin(), raw.end());
-    out.append(raw.data(), raw.size());
+  static_assert(std::endian::native == std::endian::little);
+  const auto put = [&out](const auto& value) {
+    out.append(reinterpret_cast<const char*>(&value), sizeof(value));
   };
-  const auto put3 = [&put](const glm::vec3& v) { put(v.x), put(v.y), put(v.z); };
-  bool good = file != nullptr;
-  for (std::size_t i = 0; good && i < points.size(); ++i) {
-    put3(points.position_m[i]);
-    if (!points.normal.empty()) put3(points.normal[i]);
+  for (std::size_t i = 0; file && i < points.size(); ++i) {
+    put(points.position_m[i]);
+    if (!points.normal.empty()) put(points.normal[i]);
     for (int c = 0; c < 3; ++c) {
       const float linear = std::clamp(points.color[i][c], 0.0f, 1.0f);
       out += static_cast<char>(std::lround(255.0f * srgbFromLinear(linear)));
@@ -186,13 +173,12 @@ void writePly(const std::filesystem::path& path, const PointCloud& points,
     if (!points.opacity.empty()) put(points.opacity[i]);
     if (!further.values.empty()) put(further.values[i]);
     if (out.size() >= kWriteBlock) {
-      good = std::fwrite(out.data(), 1, out.size(), file.get()) == out.size();
+      file << out;
       out.clear();
     }
   }
-  good = good && std::fwrite(out.data(), 1, out.size(), file.get()) == out.size() &&
-         std::fflush(file.get()) == 0;
-  if (!good) throw std::runtime_error(path.string() + ": cannot be written");
+  file << out << std::flush;
+  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
 }  // namespace foci

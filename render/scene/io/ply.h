@@ -1,7 +1,6 @@
 // Reads and writes PLY point clouds (Turk 1994): ASCII, binary little endian, binary big endian.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -31,8 +30,7 @@ class Items;
 }
 
 /// The points of a vertex element, as `readPly` reads them.
-/// @param count  of the items
-PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::string& file);
+PointCloud readVertices(ply::Items& items, const std::string& file);
 
 /// A further property of the points.
 struct PlyProperty {

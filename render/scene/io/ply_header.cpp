@@ -1,6 +1,7 @@
 #include "render/scene/io/ply_header.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <optional>
@@ -15,15 +16,12 @@ namespace {
 constexpr std::size_t kMaxHeaderLines = 10000;
 
 std::optional<Scalar> scalarNamed(std::string_view name) {
-  static constexpr std::pair<std::string_view, Scalar> kNames[] = {
-      {"char", Scalar::int8},      {"int8", Scalar::int8},       {"uchar", Scalar::uint8},
-      {"uint8", Scalar::uint8},    {"short", Scalar::int16},     {"int16", Scalar::int16},
-      {"ushort", Scalar::uint16},  {"uint16", Scalar::uint16},   {"int", Scalar::int32},
-      {"int32", Scalar::int32},    {"uint", Scalar::uint32},     {"uint32", Scalar::uint32},
-      {"float", Scalar::float32},  {"float32", Scalar::float32}, {"double", Scalar::float64},
-      {"float64", Scalar::float64}};
-  for (const auto& [known, type] : kNames) {
-    if (known == name) return type;
+  // Old and new names, in the order of `Scalar`.
+  static constexpr std::pair<std::string_view, std::string_view> kNames[] = {
+      {"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
+      {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
+  for (std::size_t i = 0; i < std::size(kNames); ++i) {
+    if (name == kNames[i].first || name == kNames[i].second) return static_cast<Scalar>(i);
   }
   return std::nullopt;
 }
@@ -122,25 +120,10 @@ std::string_view Input::line() {
 }
 
 double scalarAt(const unsigned char* bytes, Scalar type, bool swap) {
-  switch (type) {
-    case Scalar::int8:
-      return load<std::int8_t>(bytes, false);
-    case Scalar::uint8:
-      return load<std::uint8_t>(bytes, false);
-    case Scalar::int16:
-      return load<std::int16_t>(bytes, swap);
-    case Scalar::uint16:
-      return load<std::uint16_t>(bytes, swap);
-    case Scalar::int32:
-      return load<std::int32_t>(bytes, swap);
-    case Scalar::uint32:
-      return load<std::uint32_t>(bytes, swap);
-    case Scalar::float32:
-      return load<float>(bytes, swap);
-    case Scalar::float64:
-      return load<double>(bytes, swap);
-  }
-  return 0.0;
+  static constexpr std::array kLoad{load<std::int8_t>,   load<std::uint8_t>, load<std::int16_t>,
+                                    load<std::uint16_t>, load<std::int32_t>, load<std::uint32_t>,
+                                    load<float>,         load<double>};
+  return kLoad[static_cast<std::size_t>(type)](bytes, swap);
 }
 
 bool mustSwap(Format format) {
@@ -198,18 +181,15 @@ Header readHeader(Input& input) {
     }
     if (words[0] == "end_header") break;
     if (words[0] == "format" && !has_format) {
-      has_format = true;
-      if (words.size() == 3 && words[1] == "ascii") {
-        header.format = Format::ascii;
-      } else if (words.size() == 3 && words[1] == "binary_little_endian") {
-        header.format = Format::little;
-      } else if (words.size() == 3 && words[1] == "binary_big_endian") {
-        header.format = Format::big;
-      } else {
+      constexpr std::array kNames{"ascii", "binary_little_endian", "binary_big_endian"};
+      const auto* const name = std::ranges::find(kNames, words.size() == 3 ? words[1] : "");
+      if (name == kNames.end()) {
         throw InputError(
             where(), shown(line),
             ": expected format ascii, binary_little_endian or binary_big_endian, and 1.0");
       }
+      has_format = true;
+      header.format = static_cast<Format>(name - kNames.begin());
     } else if (words[0] == "element") {
       const auto count = words.size() == 3 ? parseInteger<std::uint64_t>(words[2]) : std::nullopt;
       if (!count) {

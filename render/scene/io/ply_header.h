@@ -13,7 +13,7 @@
 
 namespace foci::ply {
 
-enum class Format { ascii, little, big };
+enum class Format { ascii, little, big };  // in the order of their names in `readHeader`
 enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 struct Property {

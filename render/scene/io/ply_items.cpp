@@ -209,6 +209,14 @@ void Items::readLists() {
   }
 }
 
+Items verticesIn(Input& input, Header& header) {
+  for (const Element& element : header.elements) {
+    if (element.name == "vertex") return {input, header, element};
+    skipElement(input, element, header);
+  }
+  throw InputError(input.name(), "has no element vertex");
+}
+
 void linearise(std::span<glm::vec3> stored, Scalar type, const std::string& file,
                const std::string& what, std::vector<std::string>& remarks) {
   const bool floats = isFloat(type);

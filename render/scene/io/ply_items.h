@@ -41,6 +41,7 @@ class Items {
   /// The numbers of several properties, none of which is a list. Empty unless all are there.
   std::vector<std::size_t> findAll(std::initializer_list<std::string_view> names) const;
 
+  const Element& element() const { return element_; }
   const Property& property(std::size_t number) const { return element_.properties[number]; }
 
   /// Of the item read last. A value of an integer type is that integer.
@@ -78,6 +79,9 @@ class Items {
   std::size_t at_ = 0;                        // in the line
   std::optional<std::uint64_t> broken_line_;  // where an item goes on in a further line
 };
+
+/// The vertices, behind all elements before them. @throws InputError if there are none
+Items verticesIn(Input& input, Header& header);
 
 /// Brings colours to linear light, 0 to 1, in place.
 /// @param stored  as the file stores them: integers, or floats of 0 to 1 or 0 to 255

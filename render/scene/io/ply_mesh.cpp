@@ -82,15 +82,10 @@ class PlyMesh {
     has_uv_ = !uv.empty();
     fine_ = items.property(position[0]).type == ply::Scalar::float64;
     if (!color.empty()) {
-      linearise(colors_, items.property(color[0]).type, "vertex");
+      ply::linearise(colors_, items.property(color[0]).type, input_.name(), "vertex",
+                     builder_.remarks());
       for (std::size_t i = 0; i < corners_.size(); ++i) corners_[i].color = colors_[i];
     }
-  }
-
-  void linearise(std::vector<glm::vec3>& colors, ply::Scalar type, const char* what) {
-    std::vector<std::string> remarks;
-    ply::linearise(colors, type, input_.name(), what, remarks);
-    for (std::string& remark : remarks) builder_.remark(std::move(remark));
   }
 
   std::uint32_t cornerOf(double number, const ply::Items& items) const {
@@ -127,7 +122,9 @@ class PlyMesh {
       if (texture) faces_.texture.push_back(items.value(*texture));
       if (!color.empty()) faces_.color.emplace_back(items.vector(color));
     }
-    if (!color.empty()) linearise(faces_.color, items.property(color[0]).type, "face");
+    if (color.empty()) return;
+    ply::linearise(faces_.color, items.property(color[0]).type, input_.name(), "face",
+                   builder_.remarks());
   }
 
   /// Strips end with -1. Every second triangle is wound the other way round.

@@ -17,14 +17,11 @@ constexpr std::size_t kRecord = 32;
 constexpr std::size_t kRecordsLookedAt = 64;
 
 RawGaussian gaussianOf(std::span<const unsigned char> record) {
-  const auto vector = [&](std::size_t at) {
-    return glm::vec3(floatAt(record, at), floatAt(record, at + 4), floatAt(record, at + 8));
-  };
   const auto component = [&](std::size_t at) {
     return (static_cast<float>(record[at]) - 128.0f) / 128.0f;
   };
-  return {.position = vector(0),
-          .sigma = vector(12),
+  return {.position = vec3At(record, 0),
+          .sigma = vec3At(record, 12),
           .rotation = {component(29), component(30), component(31), component(28)},
           .opacity = static_cast<float>(record[27]) / 255.0f,
           .color = glm::vec3(record[24], record[25], record[26]) / 255.0f};

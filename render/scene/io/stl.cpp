@@ -71,10 +71,6 @@ class StlMesh {
     const std::size_t rgb = color + kColorKey.size();
     for (std::uint64_t t = 0; t < triangles; ++t) {
       const auto record = file_.bytes().subspan(kStlStart + kStlRecord * t, kStlRecord);
-      const auto vector = [&](std::size_t at) {
-        return glm::vec3(floatAt(record, 12 * at), floatAt(record, 12 * at + 4),
-                         floatAt(record, 12 * at + 8));
-      };
       const unsigned stored = u16At(record, kStlColor);
       const bool marked = (stored & kStlMark) != 0;
       std::array<float, 3> srgb{};
@@ -84,7 +80,7 @@ class StlMesh {
         if (magics && marked) srgb[i] = static_cast<float>(file_.bytes()[rgb + i]) / 255.0f;
       }
       const bool colored = magics ? stored != 0 : marked;
-      add({vector(1), vector(2), vector(3)}, vector(0),
+      add({vec3At(record, 12), vec3At(record, 24), vec3At(record, 36)}, vec3At(record, 0),
           colored ? linearColor({srgb[0], srgb[1], srgb[2]}) : kPlainSurface);
     }
   }
@@ -125,10 +121,7 @@ class StlMesh {
     const auto number = parseNumber(word);
     if (!number) {
       throw InputError(
-          path_.string() + ":" +
-              std::to_string(1 + std::count(text_.begin(),
-                                            text_.begin() + static_cast<std::ptrdiff_t>(at_),
-                                            '\n')),
+          concat(path_.string(), ":", 1 + std::ranges::count(text_.substr(0, at_), '\n')),
           "expected a number, found ", shown(word));
     }
     return static_cast<float>(*number);

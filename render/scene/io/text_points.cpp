@@ -65,15 +65,12 @@ std::string_view decimalComma(std::string_view line) {
   const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
   if (line.find(',') == std::string_view::npos) return {};  // as in most files
   if (line.find_first_of(kBetween) == std::string_view::npos) return {};
-  for (std::size_t at = 0; (at = line.find_first_not_of(kBetween, at)) != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(kBetween, at), line.size());
-    const std::string_view word = line.substr(at, end - at);
+  for (const std::string_view word : wordsOf(line, kBetween)) {
     const std::size_t comma = word.find(',');
     if (comma != std::string_view::npos && comma == word.rfind(',') && comma > 0 &&
         comma + 1 < word.size() && isDigit(word[comma - 1]) && isDigit(word[comma + 1])) {
       return word;
     }
-    at = end;
   }
   return {};
 }
