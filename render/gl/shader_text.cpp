@@ -1,5 +1,7 @@
 #include "render/gl/shader_text.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <initializer_list>
 #include <string_view>
@@ -84,6 +86,12 @@ std::string sharedConstants() {
 
 }  // namespace
 
+bool readsField(std::string_view stage) {
+  constexpr std::array<std::string_view, 6> kStages{
+      "cut", "gaussian_composite", "gaussian_cut", "gaussian_project", "project", "sweep"};
+  return std::ranges::find(kStages, stage) != kStages.end();
+}
+
 std::string shaderText(const std::string& stage, const std::string& defines) {
   static const std::string constants = sharedConstants();
   std::string text = "#version 450 core\n" + defines + constants;
@@ -95,6 +103,7 @@ std::string shaderText(const std::string& stage, const std::string& defines) {
   if (stage != "sum" && stage != "encode") {  // the stages of a frame
     text += shaderSource("frame") + shaderSource("totals");
   }
+  if (readsField(stage)) text += shaderSource("field");
   shared("keys", {"project", "gaussian_project"});
   shared("batches", {"sweep", "gaussian_composite"});
   shared("cubic", {"interpolate", "gaussian_composite"});

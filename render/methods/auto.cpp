@@ -148,7 +148,7 @@ class AutoMethod final : public Method {
                                   .depth = true},
                                  {.cut = kFaithfulCut}, frame);
     readFromGpu(frame);
-    sharp->pyramid.set(std::move(frame), asked.view.focal_px);
+    sharp->pyramid.set(std::move(frame), asked.view);
     sharp->view = asked;
     sharp_views_->add(sharp);
     return sharp;

@@ -7,6 +7,7 @@
 
 #include "render/methods/method.h"
 #include "render/optics/lens_field.h"
+#include "tests/unit/render/gaussian_scenes.h"
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
@@ -102,6 +103,18 @@ Moments seenAt(const std::string& method, const glm::dvec3& to, const SurfelClou
   return mean;
 }
 
+/// `got` is the image of a point in that direction; `point` is the same without blur.
+void expectSpreadOfRays(const Moments& got, const Moments& point, const glm::dvec2& deg,
+                        double off_D) {
+  const Moments rays = raysOf(deg, off_D);
+  const std::string where =
+      std::to_string(deg.x) + "," + std::to_string(deg.y) + " deg, " + std::to_string(off_D) + " D";
+  const double x = rays.variance_x_px2 + point.variance_x_px2;
+  const double y = rays.variance_y_px2 + point.variance_y_px2;
+  EXPECT_NEAR(got.variance_x_px2 / x, 1.0, kVarianceTolerance) << where;
+  EXPECT_NEAR(got.variance_y_px2 / y, 1.0, kVarianceTolerance) << where;
+}
+
 class FieldOfView : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(ByMethod, FieldOfView, testing::Values("sweep", "sweep:19", "sweep-lod"),
                          [](const auto& spec) {
@@ -123,13 +136,27 @@ TEST_P(FieldOfView, SpreadsLightAsTheRaysDo) {
       sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
       const Moments point = momentsOf(render("sweep", light, view, sharp));
       const Moments got = seenAt(GetParam(), to, light, point_D + off_D);
-      const Moments rays = raysOf(deg, off_D);
-      const std::string where = std::to_string(deg.x) + "," + std::to_string(deg.y) + " deg, " +
-                                std::to_string(off_D) + " D";
-      const double x = rays.variance_x_px2 + point.variance_x_px2;
-      const double y = rays.variance_y_px2 + point.variance_y_px2;
-      EXPECT_NEAR(got.variance_x_px2 / x, 1.0, kVarianceTolerance) << where;
-      EXPECT_NEAR(got.variance_y_px2 / y, 1.0, kVarianceTolerance) << where;
+      expectSpreadOfRays(got, point, deg, off_D);
+      off_D = -1.0 - off_D;
+    }
+  }
+}
+
+TEST(FieldOfGaussians, SpreadsTheLightOfAGaussianAsTheRaysDo) {
+  for (const int field_deg : {0, 20, 40}) {
+    double off_D = 0.0;
+    for (const glm::dvec2 along : {glm::dvec2(1, 0), {0, -1}, {-1, 0}, {0, 1}}) {
+      const glm::dvec2 deg = static_cast<double>(field_deg) * along;
+      const glm::dvec3 to = directionAt(deg);
+      GaussianCloud cloud;
+      // Dark, so that linear light is in proportion to display values.
+      addGaussian(cloud, glm::vec3(to.x, -to.y, -to.z), glm::vec3(1e-3f), 0.99f, glm::vec3(0.03f));
+      const SurfelCloud light = sceneOf(std::move(cloud));
+      const View view = viewAround(to, glm::vec2(0.0f));
+      RenderSettings settings = eyeFor(view, 1.0 + off_D);
+      const Moments got = momentsOf(render("sweep:19", light, view, settings));
+      settings.defocus.radius_px_per_D = glm::vec2(0.0f);
+      expectSpreadOfRays(got, momentsOf(render("sweep", light, view, settings)), deg, off_D);
       off_D = -1.0 - off_D;
     }
   }
