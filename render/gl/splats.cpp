@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "render/optics/lens_field.h"
+
 namespace foci {
 
 void GpuSplats::start(const GpuRequest& request) {

@@ -99,7 +99,7 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
     sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
     return render(view, sharp, lod, frame);
   }
-  if (hasParts(settings) || (lod.views > 0 && isBlurred(settings))) {
+  if (hasParts(settings) || ((lod.views > 0 || lod.parts) && isBlurred(settings))) {
     return renderParts(view, settings, lod, frame);
   }
   LodSettings softened = lod;

@@ -9,11 +9,14 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <glm/glm.hpp>
 
 #include "render/kernel/simd-inl.h"
 #include "render/optics/lens_field.h"
+#include "render/splat/constants.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
@@ -131,9 +134,10 @@ HWY_INLINE PartLens partLens(const Local& local, V off_D, const glm::vec2& j,
         hn::MulAdd(hn::Add(off_D, hn::Add(fyy, yy)), uy, hn::Neg(hn::Mul(share, mean_y))));
     lens.shift_x_px = hn::MulAdd(p.xx, dx, hn::Mul(p.xy, dy));
     lens.shift_y_px = hn::MulAdd(p.yx, dx, hn::Mul(p.yy, dy));
-    fxx = hn::MulAdd(set(2.0f), xx, fxx);
-    fxy = hn::MulAdd(set(2.0f), both, fxy);
-    fyy = hn::MulAdd(set(2.0f), yy, fyy);
+    const V slope = set(2.0f * std::sqrt(std::max(1.0f - kComaOverlap * radius * radius, 0.0f)));
+    fxx = hn::MulAdd(slope, xx, fxx);
+    fxy = hn::MulAdd(slope, both, fxy);
+    fyy = hn::MulAdd(slope, yy, fyy);
   }
   const Matrix2 in_focus = product(p, product({fxx, fxy, fxy, fyy}, s));
   lens.apart_px = hn::Sub(in_focus.xx, in_focus.yy);

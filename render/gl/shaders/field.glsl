@@ -49,7 +49,8 @@ PartLens partLens(LocalLens lens, float off_D, vec2 centre, float radius) {
               2.0 * lens.c.yx * ss[0][1];
   PartLens part;
   part.per_D_px = lens.p * lens.s;
-  part.in_focus_px = lens.p * (power + 2.0 * coma) * lens.s;
+  float slope = 2.0 * sqrt(max(1.0 - kComaOverlap * radius * radius, 0.0));
+  part.in_focus_px = lens.p * (power + slope * coma) * lens.s;
   part.shift_px =
       lens.p * ((power + coma) * u + off_D * u - 0.25 * (1.0 - radius * radius) * mean);
   return part;

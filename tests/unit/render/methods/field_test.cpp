@@ -3,8 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <random>
 #include <string>
+#include <vector>
 
+#include "base/quantile.h"
+#include "render/image/metrics.h"
 #include "render/methods/method.h"
 #include "render/optics/lens_field.h"
 #include "tests/unit/render/gaussian_scenes.h"
@@ -116,7 +121,8 @@ void expectSpreadOfRays(const Moments& got, const Moments& point, const glm::dve
 }
 
 class FieldOfView : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(ByMethod, FieldOfView, testing::Values("sweep", "sweep:19", "sweep-lod"),
+INSTANTIATE_TEST_SUITE_P(ByMethod, FieldOfView,
+                         testing::Values("sweep", "sweep:7", "sweep:19", "sweep-lod"),
                          [](const auto& spec) {
                            std::string name = spec.param;
                            std::erase_if(name, [](char c) { return c == ':' || c == '-'; });
@@ -159,6 +165,33 @@ TEST(FieldOfGaussians, SpreadsTheLightOfAGaussianAsTheRaysDo) {
       expectSpreadOfRays(got, momentsOf(render("sweep", light, view, settings)), deg, off_D);
       off_D = -1.0 - off_D;
     }
+  }
+}
+
+TEST(AutoBesideTheGaze, PredictsItsError) {
+  SurfelCloud cloud;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> grey(0.0f, 1.0f);
+  constexpr int kSurfels = 48;
+  for (int i = 0; i < kSurfels * kSurfels; ++i) {
+    const glm::vec2 at = 0.8f / kSurfels * (glm::vec2(i % kSurfels, i / kSurfels) + 0.5f) - 0.4f;
+    appendSurfel(cloud, {at, -1.0f}, {0.0f, 0.0f, 1.0f}, kSigmaPerSpacing * 0.8f / kSurfels,
+                 0.64f / (kSurfels * kSurfels), glm::vec3(grey(random)));
+  }
+  const View view = squareView(64, 90.0f);
+  RenderSettings settings;
+  settings.defocus = defocusOfLens(30e-3, view.focal_px, 1.0, DistanceAlong::sight);
+  settings.defocus.field = std::make_shared<const LensField>(
+      typicalField(), false, view, view.principal_px + glm::vec2(50.0f, 0.0f), settings.defocus);
+  settings.pupil.diameter_m = 30e-3;
+  settings.quality.check = ErrorCheck::at_once;
+  const Frame truth = render("accumulate:256", cloud, view, settings);
+  for (const float tolerance : {1.0f, 0.5f}) {
+    settings.quality.tolerance = tolerance;
+    Frame frame;
+    const RenderStats stats = makeMethod("auto", cloud)->render(view, settings, frame);
+    std::vector<float> apart = visibleDifference(frame, truth, kUsualPx_per_deg);
+    EXPECT_LE(quantile(apart, 0.95), stats.tolerance_error.value_or(0.0)) << tolerance;
   }
 }
 
