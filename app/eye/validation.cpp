@@ -182,19 +182,25 @@ glm::dvec2 renderedPower_D(const FieldPoint& at) {
 void addFields(Figures& figures) {
   struct Published {
     FieldPoint at;
-    double sphere_D, astigmatism_D;  ///< power; along the meridian less across it
+    glm::dvec2 sphere_D, astigmatism_D;  ///< power; along the meridian less across it; their bounds
   };
-  // Medians of the ten eyes, each relative to its median within 5 degrees of the fovea. Twice their
-  // standard error is up to 0.35 D, and 0.45 D for astigmatism at 40 degrees.
-  const std::vector<Published> published{
-      {{0, 0, "at the gaze"}, 0.0, 0.0},        {{10, 0, "10 deg temporal"}, 0.14, 0.18},
-      {{20, 0, "20 deg temporal"}, 0.15, 0.74}, {{30, 0, "30 deg temporal"}, 0.27, 1.66},
-      {{40, 0, "40 deg temporal"}, 0.44, 2.97}, {{-10, 0, "10 deg nasal"}, 0.22, 0.32},
-      {{-20, 0, "20 deg nasal"}, 0.69, 1.20},   {{-30, 0, "30 deg nasal"}, 1.04, 2.49},
-      {{-40, 0, "40 deg nasal"}, 1.15, 4.42},   {{0, 10, "10 deg up"}, 0.47, 0.25},
-      {{0, 20, "20 deg up"}, 0.83, 1.14},       {{0, 25, "25 deg up"}, 0.94, 1.56},
-      {{0, -10, "10 deg down"}, 0.07, 0.18},    {{0, -20, "20 deg down"}, 0.43, 0.85},
-      {{0, -25, "25 deg down"}, 0.53, 1.34}};
+  // Medians of the ten eyes, each relative to its median within 5 degrees of the fovea, and twice
+  // their standard errors, without outliers (tests/field/fit_field.py). At the gaze all is 0.
+  const std::vector<Published> published{{{0, 0, "at the gaze"}, {0.0, 0.02}, {0.0, 0.02}},
+                                         {{10, 0, "10 deg temporal"}, {0.14, 0.35}, {0.18, 0.22}},
+                                         {{20, 0, "20 deg temporal"}, {0.15, 0.42}, {0.74, 0.28}},
+                                         {{30, 0, "30 deg temporal"}, {0.27, 0.42}, {1.66, 0.45}},
+                                         {{40, 0, "40 deg temporal"}, {0.44, 0.75}, {2.97, 0.59}},
+                                         {{-10, 0, "10 deg nasal"}, {0.22, 0.27}, {0.32, 0.18}},
+                                         {{-20, 0, "20 deg nasal"}, {0.69, 0.30}, {1.20, 0.23}},
+                                         {{-30, 0, "30 deg nasal"}, {1.04, 0.60}, {2.49, 0.31}},
+                                         {{-40, 0, "40 deg nasal"}, {1.15, 0.97}, {4.42, 0.45}},
+                                         {{0, 10, "10 deg up"}, {0.47, 0.25}, {0.25, 0.12}},
+                                         {{0, 20, "20 deg up"}, {0.83, 0.45}, {1.14, 0.30}},
+                                         {{0, 25, "25 deg up"}, {0.94, 0.58}, {1.56, 0.39}},
+                                         {{0, -10, "10 deg down"}, {0.07, 0.16}, {0.18, 0.13}},
+                                         {{0, -20, "20 deg down"}, {0.43, 0.44}, {0.85, 0.29}},
+                                         {{0, -25, "25 deg down"}, {0.53, 0.61}, {1.34, 0.36}}};
   const std::string source = "Polans and others 2015, median of 10 eyes";
   std::vector<double> horizontal_D;  // astigmatism, temporal then nasal
   for (const Published& each : published) {
@@ -206,27 +212,30 @@ void addFields(Figures& figures) {
                        .what = each.at.what,
                        .unit = "D",
                        .source = source,
-                       .expected = each.sphere_D,
-                       .tolerance = 0.3,
+                       .expected = each.sphere_D[0],
+                       .tolerance = each.sphere_D[1],
                        .value = 0.5 * (power_D.x + power_D.y)});
     figures.push_back({.group = "Astigmatism of a rendered point of light, along its meridian",
                        .what = each.at.what,
                        .unit = "D",
                        .source = source,
-                       .expected = each.astigmatism_D,
-                       .tolerance = std::abs(each.at.temporal_deg) < 40.0 ? 0.35 : 0.45,
+                       .expected = each.astigmatism_D[0],
+                       .tolerance = each.astigmatism_D[1],
                        .value = astigmatism_D});
   }
+  // Twice the standard error of the ten eyes' median. From 30 degrees on, their own medians, 2.06
+  // and 3.47 D, lie outside.
+  const std::array bounds_D{0.15, 0.23, 0.26};
   for (const std::size_t i : {1u, 2u, 3u}) {
     const double deg = 10.0 * static_cast<double>(i + 1);
-    const double schematic_D = 2.0 * power_D(fieldOfEye(deg, 4e-3).added).y;
     figures.push_back({.group = "Astigmatism of a rendered point of light, along its meridian",
                        .what = decimal(deg, 0) + " deg, mean of both sides",
                        .unit = "D",
                        .source = "Escudero-Sanz and Navarro 1999, the wide-angle eye",
-                       .expected = schematic_D,
-                       .tolerance = 0.25 * schematic_D,
-                       .value = 0.5 * (horizontal_D[i] + horizontal_D[i + 4])});
+                       .expected = 2.0 * power_D(fieldOfEye(deg, 4e-3).added).y,
+                       .tolerance = bounds_D[i - 1],
+                       .value = 0.5 * (horizontal_D[i] + horizontal_D[i + 4]),
+                       .known_miss = i == 1 ? "" : "the ten measured eyes have less, too"});
   }
   // Astigmatism is quadratic about its axis: a (x - x0)^2.
   const double sum = horizontal_D[2] + horizontal_D[6], apart = horizontal_D[6] - horizontal_D[2];
@@ -382,13 +391,16 @@ std::string validationTable(const std::vector<ValidationFigure>& figures) {
 }
 
 std::string validationPage(const std::vector<ValidationFigure>& figures) {
-  const auto out_of_bounds = std::count_if(figures.begin(), figures.end(),
-                                           [](const auto& one) { return !one.inBounds(); });
+  std::size_t out_of_bounds = 0, known = 0;
+  for (const ValidationFigure& one : figures) {
+    if (!one.inBounds()) ++(one.known_miss.empty() ? out_of_bounds : known);
+  }
   std::ostringstream page;
   page << pageStart("foci validate", kValidationStyle)
        << "<h1>foci against published measurements</h1>\n<p>" << figures.size() << " figures, "
        << (out_of_bounds == 0
-               ? std::string("all within their bounds.")
+               ? "all within their bounds" +
+                     (known == 0 ? "." : " but " + std::to_string(known) + " known misses.")
                : "<span class=\"out\">" + std::to_string(out_of_bounds) + " out of bounds.</span>")
        << " The ends of each line are the bounds, the tick in its middle is the published value, "
           "and "
@@ -408,7 +420,9 @@ std::string validationPage(const std::vector<ValidationFigure>& figures) {
          << decimal(one.expected, one.digits) << unit << "</td><td class=\"value\">&plusmn;"
          << significant(one.tolerance, 2) << "</td><td class=\"value"
          << (one.inBounds() ? "" : " out") << "\">" << decimal(one.value, one.digits) << unit
-         << "</td><td>" << dotOf(one) << "</td><td>" << escaped(one.source) << "</td></tr>\n";
+         << "</td><td>" << dotOf(one) << "</td><td>" << escaped(one.source)
+         << (one.known_miss.empty() ? "" : "; known miss: " + escaped(one.known_miss))
+         << "</td></tr>\n";
   }
   page << "</table>\n<p class=\"quiet\">The typical eye has coma, trefoil and spherical "
           "aberration in the proportions, and with the root mean square, of 2560 normal eyes "

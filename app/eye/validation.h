@@ -16,6 +16,7 @@ struct ValidationFigure {
   std::string source;  ///< publication
   double expected = 0.0, tolerance = 0.0, value = 0.0;
   int digits = 2;
+  std::string known_miss = {};  ///< why it is out of bounds; empty: it may not be
 
   bool inBounds() const;
 };

@@ -53,7 +53,7 @@ Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
       rate_Hz_(rate_Hz),
       start_s_(start_s),
       query_(cloud),
-      renderer_(cloud, settings.observer.field ? nullptr : openDevice(settings.device, window_gpu)),
+      renderer_(cloud, openDevice(settings.device, window_gpu)),
       follower_(newFollower()),
       pupil_(settings) {
   renderer_.methodNamed(settings.method);  // it may take seconds to make, so before the first frame
@@ -76,9 +76,6 @@ void Session::noteDevice() {
 
 std::string Session::deviceRemark() const {
   if (!renderer_.gpuFailure().empty()) return renderer_.gpuFailure();
-  if (settings_.observer.field && settings_.device != RenderDevice::cpu) {
-    return "observer.field has no code for the GPU; the CPU renders";
-  }
   if (!renderer_.gpu() || renderer_.suitsGpu(settings_.method)) return {};
   return "method " + settings_.method + " has no code for the GPU in this scene; the CPU renders";
 }

@@ -33,9 +33,13 @@ GpuFrameStages::~GpuFrameStages() {
 
 unsigned GpuFrameStages::bind(const std::string& stage, const std::string& defines,
                               std::initializer_list<const GpuBuffer*> buffers) {
-  constexpr GLuint kTotalsBinding = 7;
-  const GLuint program = device_->program(
-      stage, "#define TOTALS_BINDING " + std::to_string(kTotalsBinding) + "\n" + defines);
+  constexpr GLuint kTotalsBinding = 7, kFieldBinding = 15;
+  std::string all = "#define TOTALS_BINDING " + std::to_string(kTotalsBinding) + "\n" + defines;
+  if (field_ && readsField(stage)) {
+    all += "#define FIELD\n";
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kFieldBinding, own_.field.id());
+  }
+  const GLuint program = device_->program(stage, all);
   glUseProgram(program);
   GLuint binding = 0;
   for (const GpuBuffer* buffer : buffers) {
@@ -77,6 +81,27 @@ void GpuFrameStages::projectWindows(unsigned program, const GpuWindow& nodes,
                       static_cast<GLuint>(nodes.count), static_cast<GLuint>(elements.first),
                       static_cast<GLuint>(elements.count));
   dispatchIndirect(offsetof(GpuTotals, project_groups));
+}
+
+void GpuFrameStages::setField(const Defocus& defocus, const glm::vec2& part, float radius) {
+  field_ = shownField(defocus) ? defocus.field : nullptr;
+  if (!field_) return;
+  const glm::vec2 first = field_->first_px(), size(field_->size());
+  // Bounds of the blur grow with the distance from a place, and with that times the defocus.
+  const auto change = [&](float off_D) {
+    constexpr float kFar_px = 1e6f;
+    const float point_D = defocus.focus_D + off_D;
+    return field_->blurBounds_px({}, kFar_px, defocus, point_D, 0.0f).second / kFar_px;
+  };
+  const std::array<glm::vec4, 3> head{
+      glm::vec4(first, 1.0f / field_->step_px(), size.x),
+      glm::vec4(change(0.0f), change(1.0f) - change(0.0f), size.y, radius),
+      glm::vec4(part, 0.0f, 0.0f)};
+  const std::size_t bytes = field_->nodes().size() * sizeof(LocalLens);
+  own_.field.reserve(*device_, sizeof head + bytes, "the field");
+  own_.field.write(0, sizeof head, head.data());
+  if (field_ != field_on_gpu_) own_.field.write(sizeof head, bytes, field_->nodes().data());
+  field_on_gpu_ = field_;
 }
 
 void GpuFrameStages::start(const GpuFrameBlock& block, bool cut) {
@@ -275,12 +300,16 @@ GpuFrameBlock viewBlockOf(const View& view, const Defocus& defocus, const Acuity
 GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene) {
   const View& view = request.view;
   const Defocus& defocus = request.defocus;
-  const glm::vec2 radius = defocus.radius_px_per_D, j = defocus.astigmatism_D, lens = request.lens;
+  // Where directions have their own lens, field.glsl knows the aperture.
+  const bool field = shownField(defocus) != nullptr;
+  const glm::vec2 radius = defocus.radius_px_per_D, j = defocus.astigmatism_D;
+  const glm::vec2 lens = field ? glm::vec2(0.0f) : request.lens;
   // Astigmatism displaces all points alike, whatever their distance, for a given lens point.
   const glm::vec2 aside_px =
       radius * glm::vec2(j.x * lens.x + j.y * lens.y, j.y * lens.x - j.x * lens.y);
   const bool blurred = blurs(request), coarse = mayBeCoarse(request);
-  const float oblong = radius.x > 0.0f && radius.y > 0.0f ? std::sqrt(radius.y / radius.x) : 1.0f;
+  const float oblong =
+      !field && radius.x > 0.0f && radius.y > 0.0f ? std::sqrt(radius.y / radius.x) : 1.0f;
   const CutSettings cut = request.cut.value_or(kFaithfulCut);
   const std::size_t number = request.sub_aperture_centres.size();
 

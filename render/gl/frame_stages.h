@@ -19,6 +19,7 @@
 #include "render/gl/shader_text.h"
 #include "render/lod/cut.h"
 #include "render/optics/defocus.h"
+#include "render/optics/lens_field.h"
 #include "render/optics/view.h"
 #include "render/splat/bin.h"
 
@@ -87,7 +88,7 @@ GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene);
 class GpuFrameStages {
  public:
   struct Buffers {
-    GpuBuffer frame, totals;
+    GpuBuffer frame, totals, field;
     GpuBuffer own, passed, group_sums, entries;                          // of the cut
     GpuBuffer keys;                                                      // by entry
     GpuBuffer cells, tile_of_cell, tiles, blurs, cursors, ranges, work;  // by tile
@@ -99,6 +100,11 @@ class GpuFrameStages {
   ~GpuFrameStages();
   GpuFrameStages(const GpuFrameStages&) = delete;
   GpuFrameStages& operator=(const GpuFrameStages&) = delete;
+
+  /// Sets the lens of each direction where it has a field that shows; before `start`.
+  /// @param part, radius  of a part of the lens, lens radii: its centre and radius
+  void setField(const Defocus& defocus, const glm::vec2& part = glm::vec2(0.0f),
+                float radius = 1.0f);
 
   /// Makes room, and sets the frame's parameters and counts.
   /// @param block  all but the first three numbers of `room`; of the scene the elements and levels
@@ -158,6 +164,7 @@ class GpuFrameStages {
   std::shared_ptr<GpuDevice> device_;
   Buffers own_;
   GpuFrameBlock block_;
+  std::shared_ptr<const LensField> field_, field_on_gpu_;  // null: one lens for all directions
   std::size_t entry_room_ = kFirstEntries, list_room_ = kFirstLists, tile_count_ = 0;
   std::array<unsigned, kGpuStages.size() + 1> clocks_{};
   std::vector<GpuStage> noted_;

@@ -107,6 +107,7 @@ GpuStats GpuGaussians::project(const View& view, const Defocus& defocus,
   divided_.clear();
   const bool cut = lod != nullptr;
   const GpuFrameBlock block = blockOf(view, defocus, lod);
+  stages_.setField(defocus);
   GpuTotals totals;
   do {
     start(block, cut, sizes);

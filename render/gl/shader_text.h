@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <string>
+#include <string_view>
 
 namespace foci {
 
@@ -12,6 +13,10 @@ namespace foci {
 /// that it shares with others.
 /// @param defines  lines that choose its variant
 std::string shaderText(const std::string& stage, const std::string& defines);
+
+/// Whether a stage knows that each direction has its own lens (shaders/field.glsl): its variant
+/// `FIELD`.
+bool readsField(std::string_view stage);
 
 /// @param stage  a file of shaders/ without its ending; must exist (asserted)
 std::string shaderSource(const std::string& stage);

@@ -7,13 +7,16 @@
 #include <string>
 #include <utility>
 
+#include "render/optics/lens_field.h"
+
 namespace foci {
 
 void GpuSplats::start(const GpuRequest& request) {
   GpuFrameBlock block = frameBlockOf(request, *scene_);
+  stages_.setField(request.defocus, request.lens, request.aperture);
   cut_ = request.cut.has_value() && scene_->levels() > 0;
   blurred_ = block.cells.z != 0;
-  astigmatic_ = blurred_ && isAstigmatic(request.defocus);
+  astigmatic_ = blurred_ && (isAstigmatic(request.defocus) || shownField(request.defocus));
   by_sub_apertures_ = blurred_ && request.sub_aperture_centres.size() > 1;
   if (!by_sub_apertures_) block.sub_aperture_shading.z = 1.0f;
   block.room.w = static_cast<int>(firstRangeNode(scene_->surfelCount()));

@@ -111,11 +111,15 @@ class AutoMethod final : public Method {
   }
 
  private:
-  /// A level's settings under the observer's acuity.
-  static LodSettings lodOf(QualityLevel of, const Quality& quality, float blur_px) {
-    const LevelSettings& level = settingsOf(of);
+  /// A level's settings under the observer's acuity. Coma beside the line of sight is seen through
+  /// sub-apertures: they are as close as views, in a fraction of the time.
+  static LodSettings lodOf(QualityLevel of, const RenderSettings& settings, float blur_px) {
+    const Quality& quality = settings.quality;
+    const bool views = of == QualityLevel::views, parts = views && shownField(settings.defocus);
+    const LevelSettings& level = settingsOf(parts ? QualityLevel::fine : of);
     LodSettings lod = level.lod;
-    if (of == QualityLevel::views) lod.views = viewsOfTruth(blur_px);
+    lod.parts = parts;
+    if (views && !parts) lod.views = viewsOfTruth(blur_px);
     if (level.lod.cut.acuity == Acuity{}) {
       lod.cut.acuity = quality.acuity;
     } else {  // the softer of both
@@ -132,7 +136,7 @@ class AutoMethod final : public Method {
       sharp->pyramid.blur(settings.defocus, frame);
       return sharp->stats;
     }
-    return scene_.render(view, settings, lodOf(level, settings.quality, blur_px), frame);
+    return scene_.render(view, settings, lodOf(level, settings, blur_px), frame);
   }
 
   /// Renders the sharp image where it is not there yet.
@@ -148,7 +152,7 @@ class AutoMethod final : public Method {
                                   .depth = true},
                                  {.cut = kFaithfulCut}, frame);
     readFromGpu(frame);
-    sharp->pyramid.set(std::move(frame), asked.view.focal_px);
+    sharp->pyramid.set(std::move(frame), asked.view);
     sharp->view = asked;
     sharp_views_->add(sharp);
     return sharp;
@@ -278,8 +282,9 @@ class AutoMethod final : public Method {
   /// @param first  is compared first
   void check(QualityLevel first, const UnblurredView& view, const RenderSettings& settings,
              float blur_px) {
-    const bool still = settings.quality.check == ErrorCheck::of_still;
-    const bool now = still || settings.quality.check == ErrorCheck::at_once;
+    const bool now = settings.quality.check != ErrorCheck::over_frames;
+    const bool still =  // with a field, `views` is compared last
+        settings.quality.check == ErrorCheck::of_still && !shownField(settings.defocus);
     const auto isThis = [&](const CheckedFrame& of) {
       return of.view == view && of.defocus == settings.defocus;
     };
@@ -309,7 +314,10 @@ class AutoMethod final : public Method {
       for (std::size_t i = 0; i < (all ? compared_.size() : 1); ++i) {
         measured.error[static_cast<std::size_t>(compared_[i])] = running_->error(i);
       }
-      measured.error[static_cast<std::size_t>(QualityLevel::views)] = running_->errorOfViews();
+      // Where `views` was compared, too, the truth's own error adds to it.
+      auto& of_views = measured.error[static_cast<std::size_t>(QualityLevel::views)];
+      const std::optional<float> of_truth = running_->errorOfViews();
+      of_views = of_views && of_truth ? std::hypot(*of_views, *of_truth) : of_truth;
       if (running_bin == bin) measured_ = measured;
       if (all) checked_[running_bin] = measured;
     }
@@ -321,9 +329,10 @@ class AutoMethod final : public Method {
     compared_ = {first};
     std::ranges::copy_if(kCompared, std::back_inserter(compared_),
                          [&](QualityLevel level) { return level != first; });
+    if (shownField(settings.defocus)) compared_.push_back(QualityLevel::views);
     std::vector<LodSettings> levels;
     for (const QualityLevel level : compared_) {
-      levels.push_back(lodOf(level, settings.quality, blur_px));
+      levels.push_back(lodOf(level, settings, blur_px));
     }
     running_ =
         std::make_unique<SpotCheck>(scene_.tree(), view.view, settings, blur_px, std::move(levels));

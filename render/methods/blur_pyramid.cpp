@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "render/methods/post_filter.h"
+#include "render/optics/lens_field.h"
 
 namespace foci {
 namespace {
@@ -53,6 +54,19 @@ void filter(const std::vector<glm::vec4>& from, const glm::ivec2& size, const Ke
   });
 }
 
+/// The blur's variance along an axis, mean over all axes, px^2: a + b d + c d^2 for a point that is
+/// d dioptres beyond the focus.
+glm::vec3 meanVariance_px2(const LocalLens& lens, const Defocus& defocus) {
+  const glm::mat2 in_focus = lens.blur_px(defocus, defocus.focus_D);
+  const glm::mat2 per_D = lens.imagePerAngle() * lens.pupil();
+  const auto dot = [](const glm::mat2& a, const glm::mat2& b) {
+    return kDiscVariancePerRadius2 * (glm::dot(a[0], b[0]) + glm::dot(a[1], b[1]));
+  };
+  const float coma = lens[LocalLens::kCxx] + lens[LocalLens::kCyy];
+  return 0.5f *
+         glm::vec3(dot(in_focus, in_focus) + coma, 2.0f * dot(in_focus, per_D), dot(per_D, per_D));
+}
+
 /// Gives each empty pixel the mean vergence of the smallest square around it that is not empty. So
 /// an outline in front of nothing is blurred equally on both sides.
 void continueOver(std::vector<float>& point_D, const Frame& sharp) {
@@ -94,9 +108,10 @@ void continueOver(std::vector<float>& point_D, const Frame& sharp) {
 
 }  // namespace
 
-void BlurPyramid::set(Frame sharp, const glm::vec2& focal_px) {
+void BlurPyramid::set(Frame sharp, const View& view) {
   sharp_ = std::move(sharp);
-  point_D_ = vergences_D(sharp_, {.radius_px_per_D = 0.5f * kUsualPupil_m * focal_px});
+  principal_px_ = view.principal_px;
+  point_D_ = vergences_D(sharp_, {.radius_px_per_D = 0.5f * kUsualPupil_m * view.focal_px});
   continueOver(point_D_, sharp_);
   Copy& first = copies_[1];
   first.size = sharp_.size_px;
@@ -119,7 +134,14 @@ class BlurPyramid::Tile {
       : pyramid_(pyramid),
         defocus_(defocus),
         corner_(corner),
-        size_(glm::min(pyramid.sharp_.size_px - corner, kSide_px)) {}
+        size_(glm::min(pyramid.sharp_.size_px - corner, kSide_px)) {
+    const LensField* field = shownField(defocus);
+    if (!field) return;
+    for (int i = 0; i < 4; ++i) {
+      const glm::vec2 at_px(corner + kSide_px * glm::ivec2(i % 2, i / 2));
+      variance_px2_[i] = meanVariance_px2(field->at(at_px - pyramid.principal_px_), defocus);
+    }
+  }
 
   void renderInto(Frame& frame) {
     for (int y = 0; y < size_.y; ++y) {
@@ -193,7 +215,16 @@ class BlurPyramid::Tile {
         level_[x] = levelOf(kDiscVariancePerRadius2 * radius_px * radius_px);
       }
     };
-    if (isAstigmatic(defocus_)) {
+    if (shownField(defocus_)) {
+      const auto share = [](int pixel) { return (static_cast<float>(pixel) + 0.5f) / kSide_px; };
+      const glm::vec3 left = glm::mix(variance_px2_[0], variance_px2_[2], share(y));
+      const glm::vec3 right = glm::mix(variance_px2_[1], variance_px2_[3], share(y));
+      for (int x = 0; x < size_.x; ++x) {
+        const float off_D = defocus_.focus_D - point_D[x];
+        level_[x] = levelOf(
+            glm::dot(glm::mix(left, right, share(x)), glm::vec3(1.0f, off_D, off_D * off_D)));
+      }
+    } else if (isAstigmatic(defocus_)) {
       find([&](float each_D) { return std::abs(roundDefocus_D(defocus_, each_D)); });
     } else {
       find([focus_D = defocus_.focus_D](float each_D) { return std::abs(each_D - focus_D); });
@@ -232,9 +263,10 @@ class BlurPyramid::Tile {
   const BlurPyramid& pyramid_;
   const Defocus& defocus_;
   glm::ivec2 corner_, size_;
-  float level_[kSide_px];  // by pixel of a row
-  int finer_[kSide_px];    // the finer of the two copies that a pixel interpolates
-  Row rows_[kCopies + 1];  // by copy
+  glm::vec3 variance_px2_[4]{};  // at the tile's corners; with a field only
+  float level_[kSide_px];        // by pixel of a row
+  int finer_[kSide_px];          // the finer of the two copies that a pixel interpolates
+  Row rows_[kCopies + 1];        // by copy
   glm::vec4 between_[kCopies + 1][kSide_px / 2 + 3];
 };
 

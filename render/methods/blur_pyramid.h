@@ -16,16 +16,16 @@
 #include "render/image/frame.h"
 #include "render/methods/method.h"
 #include "render/optics/defocus.h"
+#include "render/optics/view.h"
 
 namespace foci {
 
 /// Holds low-passed copies of a sharp image at halved sizes. Each pixel interpolates the two copies
-/// whose variances are next to the variance of the pixel's own blur.
+/// whose variances are next to the mean variance of the pixel's own blur.
 class BlurPyramid {
  public:
-  /// @param sharp  the sharp image, with depth
-  /// @param focal_px  focal length of its view, along x and y
-  void set(Frame sharp, const glm::vec2& focal_px);
+  /// @param sharp  the sharp image of the view, with depth
+  void set(Frame sharp, const View& view);
 
   /// Blurs the image by a lens. The result has the same bytes at any number of threads.
   /// @param frame  has the image's size; receives depth where it has room for depth
@@ -43,6 +43,7 @@ class BlurPyramid {
   class Tile;
 
   Frame sharp_;
+  glm::vec2 principal_px_{0.0f};          // of the view
   std::vector<float> point_D_;            // vergence by pixel
   std::array<Copy, kCopies + 1> copies_;  // copies_[0] is not used
 };

@@ -9,7 +9,6 @@
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/view_splats.h"
-#include "render/optics/lens_field.h"
 
 namespace foci {
 namespace {
@@ -45,8 +44,7 @@ LensGaussians LensGaussians::sharingScene() const {
 RenderStats LensGaussians::project(const View& view, const Defocus& defocus,
                                    const std::vector<LensDisc>& discs,
                                    const GaussianCutSettings* lod) {
-  on_gpu_ = gpu_ && !shownField(defocus);
-  if (on_gpu_) return statsOf(gpu_->project(view, defocus, subApertureSizes(discs), lod));
+  if (gpu_) return statsOf(gpu_->project(view, defocus, subApertureSizes(discs), lod));
   view_.project(view, defocus, discs, lod);
   RenderStats stats;
   stats.splats = view_.count();
@@ -55,7 +53,7 @@ RenderStats LensGaussians::project(const View& view, const Defocus& defocus,
 
 RenderStats LensGaussians::render(const std::vector<LensDisc>& discs, const glm::vec3& background,
                                   Frame& frame) {
-  if (on_gpu_) {
+  if (gpu_) {
     return statsOf(gpu_->render(discs, {background, !frame.depth_m.empty()}, frame.gpu));
   }
   RenderStats stats;
@@ -65,7 +63,7 @@ RenderStats LensGaussians::render(const std::vector<LensDisc>& discs, const glm:
 
 RenderStats LensGaussians::render(const ChooseLens& lens_of, const glm::vec3& background,
                                   Frame& frame, std::vector<SampledErrors>* errors) {
-  if (!on_gpu_) {
+  if (!gpu_) {
     RenderStats stats;
     stats.fragments = view_.render(lens_of, background, frame, errors);
     return stats;
@@ -75,10 +73,10 @@ RenderStats LensGaussians::render(const ChooseLens& lens_of, const glm::vec3& ba
   return statsOf(gpu_->render(lenses_, {background, !frame.depth_m.empty()}, frame.gpu, errors));
 }
 
-const std::vector<Tile>& LensGaussians::tiles() { return on_gpu_ ? gpu_->tiles() : view_.tiles(); }
+const std::vector<Tile>& LensGaussians::tiles() { return gpu_ ? gpu_->tiles() : view_.tiles(); }
 
 const std::vector<TileLayers>& LensGaussians::divide(bool several) {
-  return on_gpu_ ? gpu_->divide(several) : view_.divide(several);
+  return gpu_ ? gpu_->divide(several) : view_.divide(several);
 }
 
 RenderStats GaussianEyeMethod::renderFrame(const View& view, const RenderSettings& settings,

@@ -44,7 +44,6 @@ class LensGaussians {
   std::shared_ptr<const GaussianCloud> cloud_;
   GaussianView view_;
   std::unique_ptr<GpuGaussians> gpu_;
-  bool on_gpu_ = false;           // the last projection
   std::vector<TileLens> lenses_;  // of the last render on the GPU
 };
 

@@ -8,7 +8,6 @@
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/view_splats.h"
-#include "render/optics/lens_field.h"
 
 namespace foci {
 namespace {
@@ -100,7 +99,7 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
     sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
     return render(view, sharp, lod, frame);
   }
-  if (hasParts(settings) || (lod.views > 0 && isBlurred(settings))) {
+  if (hasParts(settings) || ((lod.views > 0 || lod.parts) && isBlurred(settings))) {
     return renderParts(view, settings, lod, frame);
   }
   LodSettings softened = lod;
@@ -131,7 +130,7 @@ RenderStats LodSplats::renderPart(const View& view, const RenderSettings& settin
       part.radius > 0.0f ? widened(lod.cut.acuity, part) : widened(lod.cut.acuity, settings.pupil);
   detail.cut.per_blur2 *= part.radius * part.radius;
   detail.sub_apertures = 1;
-  if (gpu_ && !shownField(part.defocus)) {
+  if (gpu_) {
     GpuRequest request = gpuRequest(seen, of_part, detail);
     request.lens = part.centre;
     request.aperture = part.radius;
@@ -154,8 +153,7 @@ GpuRequest LodSplats::gpuRequest(const View& view, const RenderSettings& setting
 
 RenderStats LodSplats::renderLens(const View& view, const RenderSettings& settings,
                                   const LodSettings& lod, Frame& frame) {
-  if (gpu_ && !shownField(settings.defocus))
-    return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame.gpu));
+  if (gpu_) return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame.gpu));
   const Projection projection = projectionFor(lod.sub_apertures, settings);
   return renderSplats(binnedOf(view, settings.defocus, lod.cut, projection), lod,
                       sweepSettings(settings, lod), frame);

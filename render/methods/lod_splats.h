@@ -25,6 +25,7 @@ struct LodSettings {
   float low_pass_px = 0.0f;  ///< standard deviation of the low-pass that `cut` is made for
   int views = 0;  ///< render the mean of so many pinhole views through points of the lens instead
   bool sharp = false;  ///< render without blur
+  bool parts = false;  ///< `sub_apertures` over the whole image, not only where surfaces overlap
   /// On the CPU a larger cut is rendered strip by strip, each of its own cut: a splat takes about
   /// 150 bytes.
   std::size_t max_splats = std::size_t{4} << 20;

@@ -1,7 +1,6 @@
 #include "render/methods/view_splats.h"
 
 #include "base/parallel.h"
-#include "render/optics/lens_field.h"
 #include "render/splat/sweep.h"
 
 namespace foci {
@@ -76,7 +75,7 @@ void PartSplats::render(const View& view, RenderSettings settings, const LensPar
                         const Acuity& acuity, Frame& frame, RenderStats& stats) {
   const View seen = viewOfPart(view, part);
   settings.defocus = part.defocus;
-  if (gpu_ && !shownField(part.defocus)) {
+  if (gpu_) {
     GpuRequest request = gpuRequestOf(seen, settings);
     request.lens = part.centre;
     request.aperture = part.radius;

@@ -78,8 +78,8 @@ LocalLens lensAt(const FieldAberrations& eye, bool left, const glm::dvec2& tange
 
 /// Smallest and largest singular value.
 std::pair<float, float> stretchOf(const glm::mat2& m) {
-  const float plus = std::hypot(m[0][0] + m[1][1], m[0][1] - m[1][0]);
-  const float minus = std::hypot(m[0][0] - m[1][1], m[0][1] + m[1][0]);
+  const float plus = glm::length(glm::vec2(m[0][0] + m[1][1], m[0][1] - m[1][0]));
+  const float minus = glm::length(glm::vec2(m[0][0] - m[1][1], m[0][1] + m[1][0]));
   return {0.5f * std::abs(plus - minus), 0.5f * (plus + minus)};
 }
 

@@ -10,11 +10,13 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <glm/glm.hpp>
 
 #include "render/kernel/simd-inl.h"
 #include "render/optics/lens_field.h"
+#include "render/splat/constants.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
@@ -37,21 +39,39 @@ HWY_INLINE void localLenses(const LensField& field, V x_px, V y_px, LocalLanes& 
     // Also for values that are not finite.
     return hn::Min(hn::Max(place, hn::Zero(d)), hn::Set(d, static_cast<float>(size - 1)));
   };
-  alignas(64) float xs[LocalLanes::kCapacity], ys[LocalLanes::kCapacity];
-  hn::Store(placeOf(x_px, field.first_px().x, field.size().x), d, xs);
-  hn::Store(placeOf(y_px, field.first_px().y, field.size().y), d, ys);
-  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-    const int x = std::min(static_cast<int>(xs[k]), field.size().x - 2);
-    const int y = std::min(static_cast<int>(ys[k]), field.size().y - 2);
-    const float tx = xs[k] - static_cast<float>(x), ty = ys[k] - static_cast<float>(y);
-    const float w11 = tx * ty, w01 = tx - w11, w10 = ty - w11, w00 = 1.0f - tx - w10;
-    const std::size_t node = static_cast<std::size_t>(y) * static_cast<std::size_t>(field.size().x);
-    const LocalLens* top = &field.nodes()[node + static_cast<std::size_t>(x)];
+  const auto nodeAt = [&](float x, float y) {
+    const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(field.size().x);
+    return &field.nodes()[row + static_cast<std::size_t>(x)];
+  };
+  const V px = placeOf(x_px, field.first_px().x, field.size().x);
+  const V py = placeOf(y_px, field.first_px().y, field.size().y);
+  const V left = hn::Min(hn::Floor(px), hn::Set(d, static_cast<float>(field.size().x - 2)));
+  const V above = hn::Min(hn::Floor(py), hn::Set(d, static_cast<float>(field.size().y - 2)));
+  const V share_x = hn::Sub(px, left), share_y = hn::Sub(py, above);
+
+  alignas(64) float lefts[LocalLanes::kCapacity], aboves[LocalLanes::kCapacity];
+  hn::Store(left, d, lefts);
+  hn::Store(above, d, aboves);
+
+  // Neighbours in memory are neighbours on the image, so most lanes lie between the same nodes.
+  auto rest = hn::FirstN(d, hn::Lanes(d));
+  for (bool first = true; !hn::AllFalse(d, rest); first = false) {
+    const auto k = static_cast<std::size_t>(hn::FindFirstTrue(d, rest));
+    const LocalLens* top = nodeAt(lefts[k], aboves[k]);
     const LocalLens* bottom = top + field.size().x;
+    const auto here =
+        hn::And(hn::Eq(left, hn::Set(d, lefts[k])), hn::Eq(above, hn::Set(d, aboves[k])));
     for (std::size_t i = 0; i < LocalLens::kPadding; ++i) {
-      out.values[i][k] = w00 * top[0].values[i] + w01 * top[1].values[i] +
-                         w10 * bottom[0].values[i] + w11 * bottom[1].values[i];
+      const auto along = [&](const LocalLens* row) {
+        const float from = row[0].values[i];
+        return hn::MulAdd(share_x, hn::Set(d, row[1].values[i] - from), hn::Set(d, from));
+      };
+      const V upper = along(top);
+      const V value = hn::MulAdd(share_y, hn::Sub(along(bottom), upper), upper);
+      float* to = out.values[i];
+      hn::Store(first ? value : hn::IfThenElse(here, value, hn::Load(d, to)), d, to);
     }
+    rest = hn::AndNot(here, rest);
   }
 }
 
@@ -91,7 +111,7 @@ HWY_INLINE PartLens partLens(const Local& local, V off_D, const glm::vec2& j,
   PartLens lens;
   lens.per_D_px = product(p, s);
   lens.shift_x_px = lens.shift_y_px = hn::Zero(d);
-  if (centre.x != 0.0f || centre.y != 0.0f) {
+  if (centre.x != 0.0f || centre.y != 0.0f || radius < 1.0f) {
     const V ux = hn::MulAdd(s.xx, set(centre.x), hn::Mul(s.xy, set(centre.y)));
     const V uy = hn::MulAdd(s.yx, set(centre.x), hn::Mul(s.yy, set(centre.y)));
     const V cx = local[LocalLens::kComaX], cy = local[LocalLens::kComaY];
@@ -114,9 +134,10 @@ HWY_INLINE PartLens partLens(const Local& local, V off_D, const glm::vec2& j,
         hn::MulAdd(hn::Add(off_D, hn::Add(fyy, yy)), uy, hn::Neg(hn::Mul(share, mean_y))));
     lens.shift_x_px = hn::MulAdd(p.xx, dx, hn::Mul(p.xy, dy));
     lens.shift_y_px = hn::MulAdd(p.yx, dx, hn::Mul(p.yy, dy));
-    fxx = hn::MulAdd(set(2.0f), xx, fxx);
-    fxy = hn::MulAdd(set(2.0f), both, fxy);
-    fyy = hn::MulAdd(set(2.0f), yy, fyy);
+    const V slope = set(2.0f * std::sqrt(std::max(1.0f - kComaOverlap * radius * radius, 0.0f)));
+    fxx = hn::MulAdd(slope, xx, fxx);
+    fxy = hn::MulAdd(slope, both, fxy);
+    fyy = hn::MulAdd(slope, yy, fyy);
   }
   const Matrix2 in_focus = product(p, product({fxx, fxy, fxy, fyy}, s));
   lens.apart_px = hn::Sub(in_focus.xx, in_focus.yy);

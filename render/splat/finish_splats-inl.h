@@ -179,39 +179,9 @@ HWY_INLINE void finishSubAperture(const ProjectJob& job, const ProjectedLanes& l
   out.out_across_D[at] = spread(across_D, variance * across_D * across_D);
 }
 
-/// How lens points follow from offsets on the image, along one meridian.
-struct LensScale {
-  float per_px;     // lens radii a px
-  float inv_width;  // of the lens points that see one offset, 1 / lens radii
-};
-
-/// Surfels and merged nodes smear a sheet. The smear widens an outline as a larger lens would, so
-/// it counts as part of the lens: two outlines that meet then still meet. The prefilter differs
-/// from the lens point at random, as does a smear beyond the width of the blur.
-/// @param variance  of the unblurred splat, its prefilter included
-HWY_INLINE LensScale lensScale(float radius_px, float variance_px2, float prefilter_px2) {
-  const float blur = kDiscVariancePerRadius2 * radius_px * radius_px;
-  const float smear = between(variance_px2 - prefilter_px2, 0.0f, blur);
-  const float lens = blur + smear, random = variance_px2 - smear;
-  return {std::sqrt(kDiscVariancePerRadius2 * lens) / (lens + random),
-          std::sqrt((lens + random) / (3.0f * std::max(random, 1e-12f)))};
-}
-
-/// The lens points of lane `k` (`SplatLens`), for a round lens.
-HWY_INLINE SplatLens lensOf(const ProjectedLanes& lanes, std::size_t k) {
-  const float radius = std::max(lanes.radius[k], 1e-6f);
-  const LensScale scale = lensScale(radius, lanes.narrow[k] * radius * radius, lanes.prefilter[k]);
-  return {std::copysign(scale.per_px, lanes.out_of_focus_D[k]), scale.inv_width, lanes.tilt_x[k],
-          lanes.tilt_y[k]};
-}
-
-/// The lens points of lane `k` along a meridian of an astigmatic lens that is out of focus by
-/// `off_D`.
-HWY_INLINE SplatLens lensAlong(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
-                               float off_D) {
-  const float radius = std::sqrt(job.blur.x * job.blur.y) * off_D;
-  const LensScale scale = lensScale(radius, lanes.unblurred[k], lanes.prefilter[k]);
-  return {std::copysign(scale.per_px, off_D), scale.inv_width, lanes.tilt_x[k], lanes.tilt_y[k]};
+/// The lens points of lane `k` (`SplatLens`).
+HWY_INLINE SplatLens lensOf(const ProjectedLanes& lanes, const LensScales& scales, std::size_t k) {
+  return {scales.per_px[k], scales.inv_width[k], lanes.tilt_x[k], lanes.tilt_y[k]};
 }
 
 /// Writes the visible lanes to consecutive splats.
@@ -228,12 +198,8 @@ HWY_INLINE void finishLanes(const ProjectJob& job, const ProjectedLanes& lanes,
     }
     if (!finishSplat(job, lanes, k, look, out.splats[count])) continue;
     out.keys[count] = keyOf(job, lanes, k, out.splats[count]);
-    if (out.lens_across) {
-      out.lens[count] = lensAlong(job, lanes, k, lanes.out_of_focus_D[k]);
-      out.lens_across[count] = lensAlong(job, lanes, k, lanes.out_across_D[k]);
-    } else if (out.lens) {
-      out.lens[count] = lensOf(lanes, k);
-    }
+    if (out.lens) out.lens[count] = lensOf(lanes, lanes.lens, k);
+    if (out.lens_across) out.lens_across[count] = lensOf(lanes, lanes.lens_across, k);
     if (out.sub_aperture_splats) finishSubAperture(job, lanes, k, look.weight, out, count);
     ++count;
   }

@@ -63,6 +63,12 @@ HWY_INLINE V3 rowOf(const ProjectJob& job, int r) {
   return {hn::Set(d, job.rows[r].x), hn::Set(d, job.rows[r].y), hn::Set(d, job.rows[r].z)};
 }
 
+/// How lens points follow from offsets on the image, along one meridian.
+struct LensScales {
+  alignas(64) float per_px[16] = {};     // lens radii a px
+  alignas(64) float inv_width[16] = {};  // of the lens points that see one offset, 1 / lens radii
+};
+
 /// The results of one SIMD step, which scalar code reads one lane after the other.
 struct ProjectedLanes {
   static constexpr std::size_t kCapacity = 16;
@@ -72,13 +78,14 @@ struct ProjectedLanes {
   alignas(64) float blur_x2[kCapacity], blur_y2[kCapacity];  // variance of the blur
   alignas(64) float blur_xy[kCapacity] = {};                 // 0 unless the lens is astigmatic
   alignas(64) float blur_min2[kCapacity];                    // along the meridian of the least blur
-  alignas(64) float radius[kCapacity];                       // largest blur radius
+  alignas(64) float radius[kCapacity];                       // largest blur radius; with a field,
+                                                             // root of both axes' mean square
   alignas(64) float narrow[kCapacity];             // unblurred variance over squared blur radius
-  alignas(64) float unblurred[kCapacity] = {};     // unblurred variance; astigmatic lens only
   alignas(64) float added[kCapacity];              // variance that merging added, of one axis
   alignas(64) float out_of_focus_D[kCapacity];     // along the nearest meridian
   alignas(64) float out_across_D[kCapacity] = {};  // across it; astigmatic lens only
-  alignas(64) float lens_px[4][kCapacity] = {};    // `PartLens::blur_px` by rows; with a field only
+  LensScales lens, lens_across;  // of a lens that blurs; across: astigmatic lens only
+  alignas(64) float lens_px[4][kCapacity] = {};  // `PartLens::blur_px` by rows; with a field only
   alignas(64) float tilt_x[kCapacity], tilt_y[kCapacity];  // see `SplatLens`
   alignas(64) float area_px[kCapacity];
   alignas(64) float distance[kCapacity], reach[kCapacity];
@@ -99,6 +106,37 @@ struct BlurredVariance {
   V sharp_xx, sharp_xy, sharp_yy, blur_xx, blur_xy, blur_yy;
 };
 
+/// Surfels and merged nodes smear a sheet. The smear widens an outline as a larger lens would, so
+/// it counts as part of the lens: two outlines that meet then still meet. The prefilter differs
+/// from the lens point at random, as does a smear beyond the width of the blur.
+/// @param variance  of the unblurred splat, px^2, its prefilter included
+/// @param off_D     of that sign are the offsets
+HWY_INLINE void storeLensScales(V radius_px, V variance, V prefilter, V off_D, LensScales& out) {
+  const D d;
+  const V k = hn::Set(d, kDiscVariancePerRadius2);
+  const V blur = hn::Mul(hn::Mul(k, radius_px), radius_px);
+  const V smear = hn::Min(hn::Max(hn::Sub(variance, prefilter), hn::Zero(d)), blur);
+  const V lens = hn::Add(blur, smear), random = hn::Sub(variance, smear);
+  const V all = hn::Add(lens, random);
+  hn::Store(hn::CopySign(hn::Div(hn::Sqrt(hn::Mul(k, lens)), all), off_D), d, out.per_px);
+  const V least = hn::Mul(hn::Set(d, 3.0f), hn::Max(random, hn::Set(d, 1e-12f)));
+  hn::Store(hn::Sqrt(hn::Div(all, least)), d, out.inv_width);
+}
+
+/// The lens's points along its nearest meridian and across.
+/// @param v  without blur
+HWY_INLINE void storeMeridians(const ProjectJob& job, const BlurredVariance& v, V prefilter,
+                               V off_D, V across_D, ProjectedLanes& out) {
+  const D d;
+  const V det = hn::NegMulAdd(v.sharp_xy, v.sharp_xy, hn::Mul(v.sharp_xx, v.sharp_yy));
+  const V unblurred = hn::Sqrt(hn::Max(det, hn::Zero(d)));
+  const V radius = hn::Set(d, std::sqrt(job.blur.x * job.blur.y));
+  storeLensScales(hn::Mul(radius, off_D), unblurred, prefilter, off_D, out.lens);
+  storeLensScales(hn::Mul(radius, across_D), unblurred, prefilter, across_D, out.lens_across);
+  hn::Store(off_D, d, out.out_of_focus_D);
+  hn::Store(across_D, d, out.out_across_D);
+}
+
 /// Unblurred variance over the squared blur radius, for an ellipse of confusion.
 ///
 /// Let f1 >= f2 be the blur's shares of W along its principal axes. The kernel with the mean fourth
@@ -108,12 +146,9 @@ struct BlurredVariance {
 ///
 /// For a disc f = f1 = f2. The formula gives a line a bell that is longer than the line, so
 /// kLongAxis of f^2 is f1^2.
-HWY_INLINE V narrowOfEllipse(float k, const BlurredVariance& v, ProjectedLanes& out) {
+HWY_INLINE V narrowOfEllipse(float k, const BlurredVariance& v) {
   const D d;
   const auto set = [&](float value) { return hn::Set(d, value); };
-  const V sharp_det = hn::NegMulAdd(v.sharp_xy, v.sharp_xy, hn::Mul(v.sharp_xx, v.sharp_yy));
-  hn::Store(hn::Sqrt(hn::Max(sharp_det, hn::Zero(d))), d, out.unblurred);
-
   // f1 + f2 = tr(W^-1 B), f1 f2 = |B| / |W|, with B the blur's variance.
   const V bxx = v.blur_xx, bxy = v.blur_xy, byy = v.blur_yy;
   const V wxx = hn::Add(v.sharp_xx, bxx), wxy = hn::Add(v.sharp_xy, bxy);
@@ -136,7 +171,7 @@ HWY_INLINE V narrowOfEllipse(float k, const BlurredVariance& v, ProjectedLanes& 
 /// The ellipse of confusion of an astigmatic lens: blur of variance k B B', B = diag(r) (F - I/U),
 /// on splats of variance `sharp`, prefilter included.
 HWY_INLINE BlurVariance blurEllipse(const ProjectJob& job, V out_of_focus_D, V sharp_xx, V sharp_xy,
-                                    V sharp_yy, ProjectedLanes& out) {
+                                    V sharp_yy, V prefilter, ProjectedLanes& out) {
   const D d;
   const auto set = [&](float value) { return hn::Set(d, value); };
   const float k = job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2;
@@ -152,17 +187,17 @@ HWY_INLINE BlurVariance blurEllipse(const ProjectJob& job, V out_of_focus_D, V s
   hn::Store(bxy, d, out.blur_xy);
   hn::Store(hn::Mul(set(k * narrowest * narrowest), hn::Mul(min_D, min_D)), d, out.blur_min2);
   hn::Store(hn::Mul(set(radius), hn::Add(mean_D, astigmatism)), d, out.radius);
-  hn::Store(hn::Add(out_of_focus_D, astigmatism), d, out.out_of_focus_D);
-  hn::Store(hn::Sub(out_of_focus_D, astigmatism), d, out.out_across_D);
-  const V narrow = narrowOfEllipse(k, {sharp_xx, sharp_xy, sharp_yy, bxx, bxy, byy}, out);
-  return {bxx, byy, narrow};
+  const BlurredVariance v{sharp_xx, sharp_xy, sharp_yy, bxx, bxy, byy};
+  storeMeridians(job, v, prefilter, hn::Add(out_of_focus_D, astigmatism),
+                 hn::Sub(out_of_focus_D, astigmatism), out);
+  return {bxx, byy, narrowOfEllipse(k, v)};
 }
 
 /// The ellipse of confusion where each direction has its own lens: the variance k a^2 B B' of its
 /// linear part, and that of coma, a^4 C.
 HWY_INLINE BlurVariance blurOfField(const ProjectJob& job, const PartLens& lens,
                                     const LocalLanes& local, V sharp_xx, V sharp_xy, V sharp_yy,
-                                    ProjectedLanes& out) {
+                                    V prefilter, ProjectedLanes& out) {
   const D d;
   const auto set = [&](float value) { return hn::Set(d, value); };
   const float k = job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2;
@@ -180,7 +215,7 @@ HWY_INLINE BlurVariance blurOfField(const ProjectJob& job, const PartLens& lens,
   const V apart = hn::Sqrt(hn::MulAdd(off, off, hn::Mul(bxy, bxy)));
   hn::Store(bxy, d, out.blur_xy);
   hn::Store(hn::Max(hn::Sub(middle, apart), zero), d, out.blur_min2);
-  hn::Store(hn::Sqrt(hn::Mul(set(1.0f / k), hn::Add(middle, apart))), d, out.radius);
+  hn::Store(hn::Sqrt(hn::Mul(set(1.0f / k), middle)), d, out.radius);
 
   // B along the meridian of the nearest focus (`LensField::meridianAt`), and across.
   const float mean = std::sqrt(job.blur.x * job.blur.y);
@@ -191,14 +226,14 @@ HWY_INLINE BlurVariance blurOfField(const ProjectJob& job, const PartLens& lens,
   const V along = hn::Mul(inv, hn::MulAdd(hn::Sub(b.xx, b.yy), lens.apart_px,
                                           hn::Mul(hn::Add(b.xy, b.yx), lens.aside_px)));
   const V trace = hn::Add(b.xx, b.yy);
-  hn::Store(hn::Mul(per_D, hn::Add(trace, along)), d, out.out_of_focus_D);
-  hn::Store(hn::Mul(per_D, hn::Sub(trace, along)), d, out.out_across_D);
+  const BlurredVariance v{sharp_xx, sharp_xy, sharp_yy, bxx, bxy, byy};
+  storeMeridians(job, v, prefilter, hn::Mul(per_D, hn::Add(trace, along)),
+                 hn::Mul(per_D, hn::Sub(trace, along)), out);
   hn::Store(b.xx, d, out.lens_px[0]);
   hn::Store(b.xy, d, out.lens_px[1]);
   hn::Store(b.yx, d, out.lens_px[2]);
   hn::Store(b.yy, d, out.lens_px[3]);
-  const V narrow = narrowOfEllipse(k, {sharp_xx, sharp_xy, sharp_yy, bxx, bxy, byy}, out);
-  return {bxx, byy, narrow};
+  return {bxx, byy, narrowOfEllipse(k, v)};
 }
 
 /// The centres of a step's surfels or nodes, as the aperture's centre sees them.
@@ -300,11 +335,11 @@ HWY_INLINE BlurVariance blurOf(const ProjectJob& job, const Footprint& f, V out_
   const V soft = hn::MulAdd(hn::Set(d, kOverlap - 1.0f), hn::Sub(one, f.own), one);
   if (job.field) {
     return blurOfField(job, lens, local, hn::MulAdd(soft, f.vxx, prefilter), hn::Mul(soft, f.vxy),
-                       hn::MulAdd(soft, f.vyy, prefilter), out);
+                       hn::MulAdd(soft, f.vyy, prefilter), prefilter, out);
   }
   if (job.astigmatism != 0.0f) {
     return blurEllipse(job, out_of_focus_D, hn::MulAdd(soft, f.vxx, prefilter),
-                       hn::Mul(soft, f.vxy), hn::MulAdd(soft, f.vyy, prefilter), out);
+                       hn::Mul(soft, f.vxy), hn::MulAdd(soft, f.vyy, prefilter), prefilter, out);
   }
   const V soft2 = hn::Mul(soft, soft);
   const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, prefilter), hn::MulAdd(soft, f.vyy, prefilter));
@@ -390,7 +425,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   const D d;
   const V one = hn::Set(d, 1.0f);
   LocalLanes local;
-  PartLens lens;
+  PartLens lens{};  // without meaning unless job.field
   const Centres c = projectCentres(job, source, i, local, lens);
   const Footprint f = footprintOf(source, i, c.to);
   const V reach = hn::Sqrt(hn::MulAdd(hn::Set(d, kReach2), f.along2, f.thick2));
@@ -405,6 +440,11 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   visible = hn::And(visible, reachesImage(job, c, f.widest2, hn::Add(prefilter, blur.x2),
                                           hn::Add(prefilter, blur.y2)));
 
+  if (!job.field && job.astigmatism == 0.0f) {
+    const V radius = hn::Max(hn::Load(d, out.radius), hn::Set(d, 1e-6f));
+    storeLensScales(radius, hn::Mul(hn::Mul(narrow, radius), radius), prefilter, c.out_of_focus_D,
+                    out.lens);
+  }
   storeSlant(job, c, f.normal, out);
   hn::Store(c.x_px, d, out.x);
   hn::Store(c.y_px, d, out.y);

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/e2e/binary.h"
+#include "tests/e2e/linear_image.h"
 
 namespace foci::e2e {
 namespace FOCI_FILE {
@@ -21,34 +21,11 @@ using Json = nlohmann::json;
 constexpr int kWidth = 240, kHeight = 180;
 constexpr float kWall_m = 2.0f, kBar_m = 0.4f;
 
-/// A linear image (PFM), top row first.
-struct Image {
-  int width = 0, height = 0, channels = 0;
-  std::vector<float> values;
-
-  explicit Image(const std::string& pfm) {
-    std::istringstream header(pfm);
-    std::string magic, scale;
-    header >> magic >> width >> height >> scale;
-    channels = magic == "PF" ? 3 : 1;
-    values.resize(static_cast<std::size_t>(width) * height * channels);
-    const std::size_t bytes = values.size() * sizeof(float);
-    if (pfm.size() < bytes) return;
-    std::memcpy(values.data(), pfm.data() + pfm.size() - bytes, bytes);
-  }
-
-  float at(int x, int y, int channel = 0) const {
-    return values[(static_cast<std::size_t>(height - 1 - y) * width + x) * channels + channel];
-  }
+struct Image : LinearImage {
+  using LinearImage::LinearImage;
 
   /// The largest step between neighbours in a row.
-  float steepestIn(int row) const {
-    float most = 0.0f;
-    for (int x = 1; x < width; ++x) {
-      most = std::max(most, std::abs(at(x, row) - at(x - 1, row)));
-    }
-    return most;
-  }
+  float steepestIn(int row) const { return LinearImage::steepestIn(row, 0, width); }
 
   /// Largest difference of red and blue.
   float fringe() const {

@@ -4,10 +4,12 @@
     python3 tests/field/fit_field.py polans2015.tsv.gz
 
 Prints, for each term and degree, the mean absolute error of an eye that the fit left out and the
-root mean square of the fit less the median eye; then the coefficients of the chosen degrees.
+root mean square of the fit less the median eye; then the coefficients of the chosen degrees; then
+the medians that `foci validate` compares with (app/eye/validation.cpp), and their bounds.
 Standard library only, so it checks `fitField`, which shares no code with it.
 """
 import gzip
+import math
 import statistics
 import sys
 
@@ -59,6 +61,14 @@ def fit(points, degree):
     return [m[i][n] / m[i][i] for i in range(n)]
 
 
+def bound(values):
+    """Twice the standard error of the median, without the outliers of Iglewicz and Hoaglin (1993)."""
+    middle = statistics.median(values)
+    scale = 1.4826 * statistics.median(abs(v - middle) for v in values)
+    kept = [v for v in values if abs(v - middle) <= 3.5 * scale]
+    return 2 * (math.pi / 2) ** 0.5 * statistics.stdev(kept) / len(kept) ** 0.5
+
+
 def median_eye(eyes):
     return {at: statistics.median(eye[at] for eye in eyes) for at in eyes[0]}
 
@@ -66,6 +76,7 @@ def median_eye(eyes):
 def main():
     with gzip.open(sys.argv[1], "rt") as file:
         rows = [[float(x) for x in line.split("\t")] for line in list(file)[1:]]
+    relative = {}
     for name, index, factor, chosen in TERMS:
         eyes = []
         for subject in range(1, 11):
@@ -73,6 +84,7 @@ def main():
             fovea = statistics.median(
                 v for (x, y), v in eye.items() if max(abs(x), abs(y)) <= FOVEA_DEG
             )
+            relative.setdefault(name, []).append({at: v - fovea for at, v in eye.items()})
             eyes.append({at: v - fovea for at, v in eye.items() if not on_disc(*at)})
         for degree in range(1, 6):
             errors = []
@@ -88,6 +100,17 @@ def main():
             )
         terms = ", ".join(f"{t:.4f}" for t in fit(median_eye(eyes), chosen))
         print(f"    .{name} = {{{terms}}},")
+    sides = [(x, 0) for x in (10, 20, 30, 40, -10, -20, -30, -40)]
+    for x, y in sides + [(0, y) for y in (10, 20, 25, -10, -20, -25)]:
+        power = [eye[x, y] for eye in relative["power_D"]]
+        astigmatism = [(2 if y == 0 else -2) * eye[x, y] for eye in relative["j0_D"]]
+        print(
+            f"{x} {y} deg: {statistics.median(power):.2f} +- {bound(power):.2f} D, astigmatism "
+            f"{statistics.median(astigmatism):.2f} +- {bound(astigmatism):.2f} D"
+        )
+    for x in (20, 30, 40):
+        both = [eye[x, 0] + eye[-x, 0] for eye in relative["j0_D"]]
+        print(f"{x} deg, both sides: astigmatism {statistics.median(both):.2f} +- {bound(both):.2f} D")
 
 
 if __name__ == "__main__":

@@ -28,14 +28,13 @@ float allowed(float defocus_D, float detail) {
   return blurred(defocus_D) + cut.y + cut.z * (detail * detail - 1.0);
 }
 
-// Bounds of the allowed variance within a range of dioptres and pixels.
-float minOff(float off_D, float range_D) { return max(abs(off_D - focus.w) - range_D, 0.0); }
-float minAllowed(float off_D, float range_D, vec2 at, vec2 reach) {
-  float detail = finest(length(max(abs(at - acuity.xy) - reach, 0.0)));
-  return allowed(minOff(off_D, range_D), detail);
+// Bounds of the allowed variance within a range of pixels.
+// @param off_D  `offFocus`
+float minAllowed(vec2 off_D, vec2 at, vec2 reach) {
+  return allowed(off_D.x, finest(length(max(abs(at - acuity.xy) - reach, 0.0))));
 }
-float maxAllowed(float off_D, float range_D, vec2 at, vec2 reach) {
-  return allowed(off_D + focus.w + range_D, finest(length(abs(at - acuity.xy) + reach)));
+float maxAllowed(vec2 off_D, vec2 at, vec2 reach) {
+  return allowed(off_D.y, finest(length(abs(at - acuity.xy) + reach)));
 }
 
 float perCoarseness(float depth, float allowed_px2) {
@@ -65,16 +64,16 @@ float sizeOf(vec4 node, uvec4 coarseness, out vec4 below) {
   vec2 offset = focal_principal_px.xy * vec2(p.x, -p.y) / depth;
   vec2 at = view_px.xy + offset;
   vec2 spread = radius / nearest * (focal_principal_px.xy + abs(offset));
-  float off_D = abs(inv - focus.x);
-  vec2 reach = kWidestReach * (0.5 * spread + 0.6 * (off_D + focus.w + range_D) * view_px.zw +
-                               finest(length(at - acuity.xy)));
+  vec2 off_D = offFocus(offset, length(spread), inv, range_D);
+  vec2 reach = kWidestReach *
+               (0.5 * spread + 0.6 * off_D.y * view_px.zw + finest(length(at - acuity.xy)));
   float margin = float(size.z);
   if (any(lessThan(at + reach, vec2(-margin))) ||
       any(greaterThan(at - reach, vec2(size.xy) + margin))) {
     return kOutside;
   }
-  float allows = minAllowed(off_D, range_D, at, reach);
-  float sharp = 1.0 - blurred(minOff(off_D, range_D)) / allows;
+  float allows = minAllowed(off_D, at, reach);
+  float sharp = 1.0 - blurred(off_D.x) / allows;
   bool foreshortened = cut_switches.x != 0;
   float now = (foreshortened ? coarsenessInView(from_eye, coarseness, sharp)
                              : uintBitsToFloat(coarseness.x)) * perCoarseness(depth, allows);
@@ -83,8 +82,9 @@ float sizeOf(vec4 node, uvec4 coarseness, out vec4 below) {
   float around_D = around * inv / max(distance_m - around, near_m);
   bool in_view = all(greaterThan(at, spread)) && all(lessThan(at + spread, vec2(size.xy)));
   float shows = foreshortened ? kEdgeOn : 1.0;
-  below = vec4(shows * perCoarseness(depth + around, maxAllowed(off_D, around_D, at, 3.0 * reach)),
-               perCoarseness(depth - around, minAllowed(off_D, around_D, at, 3.0 * reach)),
+  off_D = offFocus(offset, 3.0 * length(spread), inv, around_D);
+  below = vec4(shows * perCoarseness(depth + around, maxAllowed(off_D, at, 3.0 * reach)),
+               perCoarseness(depth - around, minAllowed(off_D, at, 3.0 * reach)),
                in_view ? 1.0 : 0.0, 0.0);
   return now;
 }

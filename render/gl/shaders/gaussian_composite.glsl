@@ -36,7 +36,14 @@ Seen see(uint slot, vec3 lens) {
   vec2 radius = view_px.zw, p = lens.xy, shear = radius * p, j = focus.yz, s = b.yz;
   float off = c.x, e = b.w;
   vec2 aside = radius * vec2(j.x * p.x + j.y * p.y, j.y * p.x - j.x * p.y);
-  vec2 at = a.xy + off * shear + aside;
+  vec2 moved = off * shear + aside;
+#ifdef FIELD
+  LocalLens local = lensAt(a.xy - view_px.xy);
+  PartLens part = partLens(local, off, p, lens.z);
+  moved = part.shift_px;
+  shear = part.per_D_px * p;
+#endif
+  vec2 at = a.xy + moved;
 
   // The sheared Gaussian.
   float xx = a.z - 2.0 * shear.x * s.x + shear.x * shear.x * e;
@@ -47,9 +54,18 @@ Seen see(uint slot, vec3 lens) {
 
   // The disc's variance, also over the depth of the Gaussian.
   float variance = kDisc * lens.z * lens.z;
+#ifdef FIELD
+  mat2 moves = part.in_focus_px + off * part.per_D_px, per_D = part.per_D_px;
+  mat2 blur = variance * (moves * transpose(moves) + e * (per_D * transpose(per_D)));
+  vec3 coma = square(lens.z * lens.z) * local.coma;
+  xx += blur[0][0] + coma.x;
+  yy += blur[1][1] + coma.z;
+  xy += blur[0][1] + coma.y;
+#else
   xx += variance * radius.x * radius.x * (e + square(off + j.x) + j.y * j.y);
   yy += variance * radius.y * radius.y * (e + square(off - j.x) + j.y * j.y);
   xy += 2.0 * variance * radius.x * radius.y * j.y * off;
+#endif
   float blurred = max(xx * yy - xy * xy, least);
 
   vec4 vergence = vec4(0.0);

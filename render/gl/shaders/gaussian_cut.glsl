@@ -22,15 +22,14 @@ int see(uint node) {
   float range_D = radius / (distance_m * max(distance_m - radius, near_m));
   vec2 offset = focal_principal_px.xy * vec2(p.x, -p.y) / depth;
   vec2 at = view_px.xy + offset;
-  float from_focus_D = abs(1.0 / distance_m - focus.x);
-  vec2 reach = radius / nearest_m * (focal_principal_px.xy + abs(offset)) +
-               2.0 * (from_focus_D + focus.w + range_D) * view_px.zw + kLowPassReach_px;
+  vec2 spread_px = radius / nearest_m * (focal_principal_px.xy + abs(offset));
+  vec2 off_D = offFocus(offset, length(spread_px), 1.0 / distance_m, range_D);
+  vec2 reach = spread_px + 2.0 * off_D.y * view_px.zw + kLowPassReach_px;
   if (any(lessThan(at + reach, vec2(0.0))) || any(greaterThan(at - reach, vec2(size.xy)))) {
     return kOutside;
   }
-  float off_D = max(abs(from_focus_D - focus.w) - range_D, 0.0);
   float finest_px = finest(length(max(abs(at - acuity.xy) - reach, 0.0)));
-  float allowed_px2 = min(cut.x * view_px.z * view_px.w * off_D * off_D, max_px2) + cut.y +
+  float allowed_px2 = min(cut.x * view_px.z * view_px.w * off_D.x * off_D.x, max_px2) + cut.y +
                       cut.z * (finest_px * finest_px - 1.0);
   float spread_px2 =
       spread[node] * focal_principal_px.x * focal_principal_px.y / (depth * depth);

@@ -144,7 +144,18 @@ void projectEntry(uint slot) {
   float e = max(dot(gradient, g.covariance * gradient), 0.0);
 
   // The key, as `Projection::place` fills it.
-  vec2 radius = view_px.zw, blur = blurRadius_px(1.0 / distance_m - focus.x), reach = vec2(0.0);
+#ifdef FIELD
+  LocalLens lens = lensAt(focal * tangent);
+  mat2 per_D = lens.p * lens.s;
+  vec2 bounds_px = blurBounds_px(lens, 0.0, 1.0 / distance_m, 0.0);
+  vec2 radius = vec2(length(vec2(per_D[0][0], per_D[1][0])), length(vec2(per_D[0][1], per_D[1][1])));
+  vec2 blur = bounds_px.yy;
+  float least_px = bounds_px.x;
+#else
+  vec2 radius = view_px.zw, blur = blurRadius_px(1.0 / distance_m - focus.x);
+  float least_px = min(blur.x, blur.y);
+#endif
+  vec2 reach = vec2(0.0);
   bool blurs = false;
   for (int k = 0; k < size_count; ++k) {
     vec2 each = sizes[k];
@@ -158,7 +169,7 @@ void projectEntry(uint slot) {
   uvec2 first = uvec2(clamp(low, vec2(0.0), image - 1.0));
   uvec2 last = uvec2(clamp(high, vec2(0.0), image - 1.0));
   writeKey(slot, depth, first, last,
-           log2StepFor(blurs ? kSigmaPerBlur * min(blur.x, blur.y) : 0.0), max(blur.x, blur.y));
+           log2StepFor(blurs ? kSigmaPerBlur * least_px : 0.0), max(blur.x, blur.y));
 
   vec3 colour = g.colour;
 #if DEGREE > 0

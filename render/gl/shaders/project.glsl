@@ -98,9 +98,47 @@ void blurRound(inout Lane lane, Footprint f, float soft) {
   lane.across_D = lane.off_D;
 }
 
-void blurEllipse(inout Lane lane, Footprint f, float soft) {
+// `narrowOfEllipse` of project_lanes-inl.h, of a lane with its blur.
+void narrowEllipse(inout Lane lane, Footprint f, float soft) {
   float sxx = soft * f.vxx + lane.prefilter, sxy = soft * f.vxy;
   float syy = soft * f.vyy + lane.prefilter;
+  float bxx = lane.blur2.x, bxy = lane.blur_xy, byy = lane.blur2.y;
+  lane.unblurred = sqrt(max(sxx * syy - sxy * sxy, 0.0));
+  float wxx = sxx + bxx, wxy = sxy + bxy, wyy = syy + byy;
+  float inv_det = 1.0 / (wxx * wyy - wxy * wxy);
+  float sum = inv_det * (wxx * byy + wyy * bxx - 2.0 * wxy * bxy);
+  float product = inv_det * (bxx * byy - bxy * bxy);
+  float moment2 = 0.375 * sum * sum - 0.5 * product;
+  float longer = 0.5 * (sum + sqrt(max(sum * sum - 4.0 * product, 0.0)));
+  float share = sqrt(max(kLongAxis * longer * longer + (1.0 - kLongAxis) * moment2, 1e-12));
+  lane.narrow = max(kDisc * (1.0 / share - 1.0), 0.0);
+}
+
+#ifdef FIELD
+// `blurOfField` of project_lanes-inl.h.
+void blurOfField(inout Lane lane, Footprint f, float soft, LocalLens local, PartLens part) {
+  float radius2 = square(field_change.w);
+  mat2 b = part.in_focus_px + lane.off_D * part.per_D_px;
+  mat2 variance = kDisc * radius2 * b * transpose(b);
+  vec3 blur = vec3(variance[0], variance[1].y) + square(radius2) * local.coma;
+  lane.blur2 = blur.xz;
+  lane.blur_xy = blur.y;
+  float middle = 0.5 * (blur.x + blur.z), apart = length(vec2(0.5 * (blur.x - blur.z), blur.y));
+  lane.blur_min2 = max(middle - apart, 0.0);
+  lane.radius = sqrt(middle / kDisc);
+  mat2 m = part.in_focus_px;
+  vec2 meridian = vec2(m[0][0] - m[1][1], m[0][1] + m[1][0]);
+  float along = dot(vec2(b[0][0] - b[1][1], b[0][1] + b[1][0]), meridian) /
+                max(length(meridian), 1e-12);
+  float trace = b[0][0] + b[1][1];
+  float per_D = 0.5 * field_change.w / sqrt(max(blur_lens.x * blur_lens.y, 1e-30));
+  lane.off_D = per_D * (trace + along);
+  lane.across_D = per_D * (trace - along);
+  narrowEllipse(lane, f, soft);
+}
+#endif
+
+void blurEllipse(inout Lane lane, Footprint f, float soft) {
   float j45 = focus.z, fx = lane.off_D + focus.y, fy = lane.off_D - focus.y;
   float bxx = kDisc * blur_lens.x * blur_lens.x * (fx * fx + j45 * j45);
   float byy = kDisc * blur_lens.y * blur_lens.y * (fy * fy + j45 * j45);
@@ -113,15 +151,7 @@ void blurEllipse(inout Lane lane, Footprint f, float soft) {
   lane.radius = sqrt(blur_lens.x * blur_lens.y) * (mean_D + focus.w);
   lane.off_D = off_D + focus.w;
   lane.across_D = off_D - focus.w;
-  lane.unblurred = sqrt(max(sxx * syy - sxy * sxy, 0.0));
-  float wxx = sxx + bxx, wxy = sxy + bxy, wyy = syy + byy;
-  float inv_det = 1.0 / (wxx * wyy - wxy * wxy);
-  float sum = inv_det * (wxx * byy + wyy * bxx - 2.0 * wxy * bxy);
-  float product = inv_det * (bxx * byy - bxy * bxy);
-  float moment2 = 0.375 * sum * sum - 0.5 * product;
-  float longer = 0.5 * (sum + sqrt(max(sum * sum - 4.0 * product, 0.0)));
-  float share = sqrt(max(kLongAxis * longer * longer + (1.0 - kLongAxis) * moment2, 1e-12));
-  lane.narrow = max(kDisc * (1.0 / share - 1.0), 0.0);
+  narrowEllipse(lane, f, soft);
 }
 
 const float kSteps = float(kKernelShapes - 1);
@@ -209,11 +239,18 @@ void projectEntry(uint slot) {
   Lane lane;
   lane.distance_m = along_axis ? depth : sight2 * inv_sight;
   float inv_distance = along_axis ? 1.0 / depth : inv_sight;
-  lane.off_D = focus.x - inv_distance;
-  vec2 axis = focal_principal_px.zw + blur_lens.zw * lane.off_D;
+  float from_focus_D = focus.x - inv_distance;
+  lane.off_D = from_focus_D;
+  vec2 axis = focal_principal_px.zw + blur_lens.zw * lane.off_D, per_D_px = blur_lens.zw;
+#ifdef FIELD
+  LocalLens local = lensAt(vec2(focal.x, -focal.y) * tangent);
+  PartLens part = partLens(local, lane.off_D, field_part.xy, field_change.w);
+  axis += part.shift_px;
+  per_D_px = part.per_D_px * field_part.xy;
+#endif
   lane.at = axis + vec2(focal.x, -focal.y) * tangent;
   vec3 along = along_axis ? -back.xyz : p * inv_sight;
-  vec2 slope = blur_lens.zw * (inv_distance * inv_distance);
+  vec2 slope = per_D_px * (inv_distance * inv_distance);
   vec3 to_x = slope.x * along + focal.x * inv_depth * (back.xyz * tangent.x + right.xyz);
   vec3 to_y = slope.y * along - focal.y * inv_depth * (back.xyz * tangent.y + up.xyz);
 
@@ -225,7 +262,9 @@ void projectEntry(uint slot) {
   lane.reach = sqrt(kReach2 * f.along2 + f.thick2);
   lane.prefilter = square(max(acuity.w * length(lane.at - acuity.xy) + acuity.z, 1.0));
   float soft = (kOverlap - 1.0) * (1.0 - f.own) + 1.0;
-#ifdef ASTIGMATIC
+#ifdef FIELD
+  blurOfField(lane, f, soft, local, part);
+#elif defined(ASTIGMATIC)
   blurEllipse(lane, f, soft);
 #else
   blurRound(lane, f, soft);
@@ -305,17 +344,24 @@ void projectEntry(uint slot) {
   float missing = max(kOverlap * lane.added - share * lane.blur_min2 - lane.prefilter, 0.0);
   float own = 0.5 * (lane.vxx + lane.vyy) - lane.prefilter;
   Kernel sub = kernelOf(lane, missing > 0.0 ? 1.0 + missing / max(own, 1e-12) : 1.0, share, weight);
-#ifdef ASTIGMATIC
+#ifdef FIELD
+  vec2 of_blur = vec2(lane.blur_min2);
+#elif defined(ASTIGMATIC)
   vec2 off_D = vec2(lane.off_D, lane.across_D);
   vec2 of_blur = kDisc * blur_lens.x * blur_lens.y * off_D * off_D;
 #else
   vec2 off_D = vec2(lane.off_D, 0.0);
   vec2 of_blur = vec2(lane.blur_min2);
 #endif
-  off_D *= sqrt(max(1.0 - share - missing / max(of_blur, 1e-12), 0.0));
+  vec2 rest = sqrt(max(1.0 - share - missing / max(of_blur, 1e-12), 0.0));
   if (!sub.sound) sub = kernel;
   sharper[3u * slot] = vec4(sub.q, sub.k.x);
   sharper[3u * slot + 1u] = vec4(sub.k.yz, sub.extent);
-  sharper[3u * slot + 2u] = vec4(off_D, lane.tilt);
+#ifdef FIELD
+  mat2 moved_px = rest.x * (part.in_focus_px + from_focus_D * part.per_D_px);
+  sharper[3u * slot + 2u] = vec4(moved_px[0], moved_px[1]);
+#else
+  sharper[3u * slot + 2u] = vec4(rest * off_D, lane.tilt);
+#endif
 #endif
 }

@@ -7,8 +7,10 @@
 layout(std430, binding = 2) readonly buffer Blurs { float blur_px[]; };
 layout(std430, binding = 5) readonly buffer SplatsA { vec4 splat_a[]; };
 layout(std430, binding = 6) readonly buffer SplatsB { vec4 splat_b[]; };
-#ifdef LENS
+#if defined(LENS) || defined(FIELD)
 layout(std430, binding = 10) readonly buffer Lenses { vec4 lenses[]; };
+#endif
+#ifdef LENS
 layout(std430, binding = 12) buffer Overlaps { uint overlapping[]; };  // by tile
 layout(std430, binding = 13) writeonly buffer SubWork { uint sub_work[]; };
 #endif
@@ -31,6 +33,7 @@ shared vec4 across_of[kBatch];
 #endif
 
 float coverage;
+vec2 meridian, oblong;  // of the lens, in this tile
 
 float upToOpaque(float sum) { return max(kOpaqueWeight - sum, 0.0); }
 
@@ -72,16 +75,14 @@ void add(uint n, vec2 at) {
   vec4 lens = lens_of[n];
 #ifdef ASTIGMATIC
   vec4 across = across_of[n];
-  vec2 m = meridian_oblong.xy * meridian_oblong.zw;
-  vec2 aside = vec2(-meridian_oblong.y, meridian_oblong.x) * meridian_oblong.zw;
+  vec2 m = meridian * oblong, aside = vec2(-meridian.y, meridian.x) * oblong;
   vec2 point = vec2(lens.x * dot(d, m), across.x * dot(d, aside));
-  vec2 tilt = vec2(dot(lens.zw, meridian_oblong.xy),
-                   lens.w * meridian_oblong.x - lens.z * meridian_oblong.y);
+  vec2 tilt = vec2(dot(lens.zw, meridian), lens.w * meridian.x - lens.z * meridian.y);
   vec2 inv_width = vec2(lens.y, across.y);
   float n2 = square(edge.direction.x);
   float sharpness = inversesqrt(mix(1.0 / square(across.y), 1.0 / square(lens.y), n2));
 #else
-  vec2 point = d * lens.x * meridian_oblong.zw, tilt = lens.zw;
+  vec2 point = d * lens.x * oblong, tilt = lens.zw;
   vec2 inv_width = vec2(lens.y);
   float sharpness = lens.y;
 #endif
@@ -137,13 +138,45 @@ bool anyTransparent(uvec2 entries) {
 }
 #endif
 
+#ifdef FIELD
+// `LensField::meridianAt`.
+vec2 meridianOf(LocalLens lens) {
+  mat2 b = lens.p * powerOf(lens) * lens.s;
+  vec2 twice = vec2(b[0][0] - b[1][1], b[0][1] + b[1][0]);
+  float size = length(twice);
+  if (size == 0.0) return vec2(1.0, 0.0);
+  if (twice.x >= 0.0) return normalize(vec2(size + twice.x, twice.y));
+  return normalize(vec2(abs(twice.y), twice.y < 0.0 ? twice.x - size : size - twice.x));
+}
+
+#ifdef SUB_APERTURES
+// `comaShifts_px` of render/optics/lens_field.h, of the current sub-aperture.
+vec2 comaShift_px(LocalLens lens) {
+  int count = int(sub_aperture_shading.z);
+  vec2 mean = vec2(0.0), own = vec2(0.0);
+  float squares = 0.0;
+  for (int i = 0; i < count; ++i) {
+    vec2 u = lens.s * centres[i].xy, shift = lens.p * (comaOf(lens.c, u) * u);
+    if (i == sub_aperture) own = shift;
+    mean += shift / sub_aperture_shading.z;
+    squares += dot(shift, shift) / sub_aperture_shading.z;
+  }
+  squares -= dot(mean, mean);
+  float variance = (lens.coma.x + lens.coma.z) * (1.0 - 1.0 / sub_aperture_shading.z);
+  return squares > 0.0 ? sqrt(variance / squares) * (own - mean) : vec2(0.0);
+}
+#endif
+#endif
+
 // Composites the tile's list at one sample, as the sub-aperture at `centre` sees it.
-void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, vec2 centre) {
+// @param shift_px  of all splats there
+void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, vec2 centre,
+             vec2 shift_px) {
   clearSample();
   uint me = gl_LocalInvocationIndex;
-#ifdef SUB_APERTURES
+#if defined(SUB_APERTURES) && !defined(FIELD)
 #ifdef ASTIGMATIC
-  vec2 along = meridian_oblong.xy, aside = vec2(-along.y, along.x);
+  vec2 along = meridian, aside = vec2(-along.y, along.x);
   vec2 px_per_D = view_px.zw * dot(centre, along) * along;
   vec2 across_px_per_D = view_px.zw * dot(centre, aside) * aside;
 #else
@@ -161,8 +194,12 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
       z = splat_b[2u * slot + 1u];
 #ifdef SUB_APERTURES
       vec4 k = sharper[3u * slot + 1u], off = sharper[3u * slot + 2u];
+#ifdef FIELD
+      a.xy += mat2(off.xy, off.zw) * centre + shift_px;
+#else
       a.xy += off.x * px_per_D;
-#ifdef ASTIGMATIC
+#endif
+#if defined(ASTIGMATIC) && !defined(FIELD)
       a.xy += off.y * across_px_per_D;
 #endif
       z = vec4(z.xy, k.zw);
@@ -175,10 +212,15 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
       vec4 b = splat_a[2u * slot + 1u];
       float inv_radius = 1.0 / min(z.z, z.w);
 #ifdef SUB_APERTURES
-      vec4 q = sharper[3u * slot], k = sharper[3u * slot + 1u], off = sharper[3u * slot + 2u];
+      vec4 q = sharper[3u * slot], k = sharper[3u * slot + 1u];
+#ifdef FIELD
+      vec2 tilt = lenses[2u * slot].zw;
+#else
+      vec2 tilt = sharper[3u * slot + 2u].zw;
+#endif
       form[n] = vec4(a.xy, q.xy);
       shape[n] = vec4(q.zw, k.xy);
-      reach[n] = vec4(z.xy, inv_radius, abs(1.0 + dot(off.zw, centre)));
+      reach[n] = vec4(z.xy, inv_radius, abs(1.0 + dot(tilt, centre)));
 #else
       form[n] = a;
       shape[n] = b;
@@ -212,6 +254,16 @@ void main() {
   uint to = placeOf(index, group.here);
   bool exists = group.exists;
   coverage = closingFactor(blur_px[index]);
+  meridian = meridian_oblong.xy;
+  oblong = meridian_oblong.zw;
+  vec2 shift_px = vec2(0.0);
+#ifdef FIELD
+  LocalLens local = lensAt(vec2(tiles[index].xy) + 0.5 * float(tiles[index].z) - view_px.xy);
+  meridian = meridianOf(local);
+#ifdef SUB_APERTURES
+  shift_px = comaShift_px(local);
+#endif
+#endif
 #ifdef LENS
   overlap = false;
 #endif
@@ -224,7 +276,7 @@ void main() {
                       0.0, 1.0);
   float before = sub_aperture == 0 ? 1.0 - share : 1.0, each = share / sub_aperture_shading.z;
   compose(grid.entries, group.at_px, group.first_px, group.last_px, exists,
-          centres[sub_aperture].xy);
+          centres[sub_aperture].xy, shift_px);
   if (exists) {
     vec4 value = vec4(light + transmittance * background, 1.0 - transmittance);
     samples[to] = before * samples[to] + each * value;
@@ -233,8 +285,7 @@ void main() {
 #endif
   }
 #else
-  compose(grid.entries, group.at_px, group.first_px, group.last_px, exists,
-          vec2(0.0));
+  compose(grid.entries, group.at_px, group.first_px, group.last_px, exists, vec2(0.0), shift_px);
   if (exists) {
     samples[to] = vec4(light + transmittance * background, 1.0 - transmittance);
 #ifdef DEPTH

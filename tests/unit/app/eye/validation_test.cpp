@@ -75,6 +75,9 @@ TEST(Validation, AFigureOutOfBoundsShows) {
   EXPECT_FALSE(none.inBounds());
   EXPECT_NE(validationPage({good}).find("all within their bounds"), std::string::npos);
   EXPECT_NE(validationPage({good, bad, none}).find("2 out of bounds"), std::string::npos);
+  bad.known_miss = "the sources disagree";
+  EXPECT_NE(validationPage({good, bad}).find("all within their bounds but 1 known miss"),
+            std::string::npos);
   EXPECT_NE(validationTable({bad}).find("\t1.0000\t0.1000\t1.2000\t0\ts"), std::string::npos);
 }
 

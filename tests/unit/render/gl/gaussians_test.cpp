@@ -130,6 +130,14 @@ TEST_F(GpuGaussianPicture, IsTheSameThroughEveryLens) {
   }
 }
 
+TEST_F(GpuGaussianPicture, IsTheSameWhereEachDirectionHasItsOwnLens) {
+  FOCI_NEEDS_GPU(gpu);
+  const SurfelCloud scene = sceneOf(withTree(walls(48)));
+  RenderSettings settings = besideTheGaze(view, 0.8f);
+  settings.depth = true;
+  expectSamePicture("sweep-lod:7", scene, view, settings, gpu);
+}
+
 TEST_F(GpuGaussianPicture, IsTheSameThroughAnEyeWithAberrationsInThreeColours) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud scene = sceneOf(walls());

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "render/image/metrics.h"
 #include "render/image/srgb.h"
 #include "render/methods/method.h"
+#include "render/optics/lens_field.h"
 
 namespace foci {
 
@@ -29,6 +31,18 @@ inline double shareAlike(const Frame& a, const Frame& b) {
     alike += close;
   }
   return static_cast<double>(alike) / static_cast<double>(a.rgba.size());
+}
+
+/// A left eye with the typical field, whose line of sight is 32 degrees beside the middle of a
+/// view of 64 px with the focal length of 64 px. The pupil is wide, so that the blur spans pixels.
+inline RenderSettings besideTheGaze(const View& view, float focus_D) {
+  RenderSettings settings;
+  settings.defocus = defocusOfLens(60e-3, view.focal_px, focus_D, DistanceAlong::sight);
+  settings.defocus.astigmatism_D = {0.3f, -0.2f};
+  settings.defocus.field = std::make_shared<const LensField>(
+      typicalField(), true, view, view.principal_px + glm::vec2(-40, 10), settings.defocus);
+  settings.pupil.diameter_m = 60e-3;
+  return settings;
 }
 
 struct SamePicture {

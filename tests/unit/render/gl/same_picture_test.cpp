@@ -101,6 +101,17 @@ TEST_F(GpuPicture, IsTheSameThroughGlassAndThroughAnAstigmaticEye) {
   }
 }
 
+TEST_F(GpuPicture, IsTheSameWhereEachDirectionHasItsOwnLens) {
+  FOCI_NEEDS_GPU(gpu);
+  const SurfelCloud cloud = twoSheets();
+  RenderSettings settings = besideTheGaze(view, 0.5f);
+  settings.depth = true;
+  settings.shading = 0.5f;
+  for (const char* method : {"sweep:7", "sweep-lod:7", "accumulate:4"}) {
+    expectSamePicture(method, cloud, view, settings, gpu);
+  }
+}
+
 TEST_F(GpuPicture, IsTheSameInThreeColoursAndFoveated) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud cloud = twoSheets();

@@ -3,10 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <random>
 #include <string>
+#include <vector>
 
+#include "base/quantile.h"
+#include "render/image/metrics.h"
 #include "render/methods/method.h"
 #include "render/optics/lens_field.h"
+#include "tests/unit/render/gaussian_scenes.h"
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
@@ -102,8 +108,21 @@ Moments seenAt(const std::string& method, const glm::dvec3& to, const SurfelClou
   return mean;
 }
 
+/// `got` is the image of a point in that direction; `point` is the same without blur.
+void expectSpreadOfRays(const Moments& got, const Moments& point, const glm::dvec2& deg,
+                        double off_D) {
+  const Moments rays = raysOf(deg, off_D);
+  const std::string where =
+      std::to_string(deg.x) + "," + std::to_string(deg.y) + " deg, " + std::to_string(off_D) + " D";
+  const double x = rays.variance_x_px2 + point.variance_x_px2;
+  const double y = rays.variance_y_px2 + point.variance_y_px2;
+  EXPECT_NEAR(got.variance_x_px2 / x, 1.0, kVarianceTolerance) << where;
+  EXPECT_NEAR(got.variance_y_px2 / y, 1.0, kVarianceTolerance) << where;
+}
+
 class FieldOfView : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(ByMethod, FieldOfView, testing::Values("sweep", "sweep:19", "sweep-lod"),
+INSTANTIATE_TEST_SUITE_P(ByMethod, FieldOfView,
+                         testing::Values("sweep", "sweep:7", "sweep:19", "sweep-lod"),
                          [](const auto& spec) {
                            std::string name = spec.param;
                            std::erase_if(name, [](char c) { return c == ':' || c == '-'; });
@@ -123,15 +142,56 @@ TEST_P(FieldOfView, SpreadsLightAsTheRaysDo) {
       sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
       const Moments point = momentsOf(render("sweep", light, view, sharp));
       const Moments got = seenAt(GetParam(), to, light, point_D + off_D);
-      const Moments rays = raysOf(deg, off_D);
-      const std::string where = std::to_string(deg.x) + "," + std::to_string(deg.y) + " deg, " +
-                                std::to_string(off_D) + " D";
-      const double x = rays.variance_x_px2 + point.variance_x_px2;
-      const double y = rays.variance_y_px2 + point.variance_y_px2;
-      EXPECT_NEAR(got.variance_x_px2 / x, 1.0, kVarianceTolerance) << where;
-      EXPECT_NEAR(got.variance_y_px2 / y, 1.0, kVarianceTolerance) << where;
+      expectSpreadOfRays(got, point, deg, off_D);
       off_D = -1.0 - off_D;
     }
+  }
+}
+
+TEST(FieldOfGaussians, SpreadsTheLightOfAGaussianAsTheRaysDo) {
+  for (const int field_deg : {0, 20, 40}) {
+    double off_D = 0.0;
+    for (const glm::dvec2 along : {glm::dvec2(1, 0), {0, -1}, {-1, 0}, {0, 1}}) {
+      const glm::dvec2 deg = static_cast<double>(field_deg) * along;
+      const glm::dvec3 to = directionAt(deg);
+      GaussianCloud cloud;
+      // Dark, so that linear light is in proportion to display values.
+      addGaussian(cloud, glm::vec3(to.x, -to.y, -to.z), glm::vec3(1e-3f), 0.99f, glm::vec3(0.03f));
+      const SurfelCloud light = sceneOf(std::move(cloud));
+      const View view = viewAround(to, glm::vec2(0.0f));
+      RenderSettings settings = eyeFor(view, 1.0 + off_D);
+      const Moments got = momentsOf(render("sweep:19", light, view, settings));
+      settings.defocus.radius_px_per_D = glm::vec2(0.0f);
+      expectSpreadOfRays(got, momentsOf(render("sweep", light, view, settings)), deg, off_D);
+      off_D = -1.0 - off_D;
+    }
+  }
+}
+
+TEST(AutoBesideTheGaze, PredictsItsError) {
+  SurfelCloud cloud;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> grey(0.0f, 1.0f);
+  constexpr int kSurfels = 48;
+  for (int i = 0; i < kSurfels * kSurfels; ++i) {
+    const glm::vec2 at = 0.8f / kSurfels * (glm::vec2(i % kSurfels, i / kSurfels) + 0.5f) - 0.4f;
+    appendSurfel(cloud, {at, -1.0f}, {0.0f, 0.0f, 1.0f}, kSigmaPerSpacing * 0.8f / kSurfels,
+                 0.64f / (kSurfels * kSurfels), glm::vec3(grey(random)));
+  }
+  const View view = squareView(64, 90.0f);
+  RenderSettings settings;
+  settings.defocus = defocusOfLens(30e-3, view.focal_px, 1.0, DistanceAlong::sight);
+  settings.defocus.field = std::make_shared<const LensField>(
+      typicalField(), false, view, view.principal_px + glm::vec2(50.0f, 0.0f), settings.defocus);
+  settings.pupil.diameter_m = 30e-3;
+  settings.quality.check = ErrorCheck::at_once;
+  const Frame truth = render("accumulate:256", cloud, view, settings);
+  for (const float tolerance : {1.0f, 0.5f}) {
+    settings.quality.tolerance = tolerance;
+    Frame frame;
+    const RenderStats stats = makeMethod("auto", cloud)->render(view, settings, frame);
+    std::vector<float> apart = visibleDifference(frame, truth, kUsualPx_per_deg);
+    EXPECT_LE(quantile(apart, 0.95), stats.tolerance_error.value_or(0.0)) << tolerance;
   }
 }
 
