@@ -13,17 +13,22 @@ import numpy as np
 TAPS = 96  # of a gather
 
 
-def spiral(radius_px):
-    """Offsets evenly spread over a disc (Vogel's spiral)."""
-    i = np.arange(TAPS) + 0.5
-    r, turn = radius_px * np.sqrt(i / TAPS), i * np.pi * (3.0 - np.sqrt(5.0))
-    return np.stack([r * np.cos(turn), r * np.sin(turn)], axis=1)
+def gathered(planes, radius_px, weight):
+    """The sum over taps, spread evenly over each pixel's own disc (Vogel's spiral), of weight and weighted colour.
 
-
-def neighbours(plane, offset):
-    """The value at an offset from each pixel."""
-    matrix = np.float32([[1, 0, -offset[0]], [0, 1, -offset[1]]])
-    return cv2.warpAffine(plane, matrix, plane.shape[1::-1], flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
+    planes: of the neighbours, the colour first; weight: of (distance, *planes), for each pixel that a tap stands for
+    """
+    rows, columns = np.indices(radius_px.shape, np.float32)
+    total, light = np.zeros_like(radius_px), np.zeros_like(planes[0])
+    for i in range(TAPS):
+        distance = radius_px * np.float32(np.sqrt((i + 0.5) / TAPS))
+        turn = i * np.pi * (3.0 - np.sqrt(5.0))
+        x, y = columns + distance * np.float32(np.cos(turn)), rows + distance * np.float32(np.sin(turn))
+        color, *others = (cv2.remap(plane, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE) for plane in planes)
+        part = weight(distance, *others) * (np.pi * radius_px**2 / TAPS)
+        total += part
+        light += part[..., None] * color
+    return total, light
 
 
 def blurred(sharp, depth_m, lens):
@@ -34,20 +39,28 @@ def blurred(sharp, depth_m, lens):
     vergence = np.where(depth_m > 0, 1.0 / np.maximum(depth_m, 1e-6), 0.0).astype(np.float32)
     off_D = vergence - np.float32(1.0 / lens["focus_m"])
     radius = np.abs(off_D) * np.float32(lens["blur_radius_px_per_D"])
-    layers = [(off_D <= 0).astype(np.float32), (off_D > 0).astype(np.float32)]  # far, near
-    widest = max(float(radius.max()), 0.5)
-    # A disc spreads its light over its area, in pixels; the pixel itself always counts.
-    share = 1.0 / np.maximum(np.pi * radius**2, 1.0)
-    weights = [layer * share for layer in layers]
-    sums = [weight[..., None] * sharp for weight in weights]
-    for offset in spiral(widest):
-        color, r, v, near, s = (neighbours(plane, offset) for plane in (sharp, radius, vergence, layers[1], share))
-        reach = np.where((near > 0) | (v >= 0.98 * vergence), r, np.minimum(r, radius))
-        weight = np.clip(reach - np.float32(np.hypot(*offset)) + 0.5, 0.0, 1.0) * s * (np.pi * widest**2 / TAPS)
-        for i, part in enumerate((weight * (1.0 - near), weight * near)):
-            weights[i] += part
-            sums[i] += part[..., None] * color
-    far, front = (sums[i] / np.maximum(weights[i], 1e-9)[..., None] for i in range(2))
-    cover = np.clip(weights[1], 0.0, 1.0)[..., None]
-    empty = (weights[0] < 1e-6)[..., None]  # the far layer is hidden here
-    return np.where(empty, front, cover * front + (1.0 - cover) * far).astype(np.float32)
+    near = (off_D > 0).astype(np.float32)
+    share = 1.0 / np.maximum(np.pi * radius**2, 1.0)  # a disc spreads its light over its area, in pixels
+
+    def covers(reach, distance):
+        return np.clip(reach - distance + 0.5, 0.0, 1.0)
+
+    def far_weight(distance, r, v, n, s):
+        reach = np.where(v >= 0.98 * vergence, r, np.minimum(r, radius))
+        return covers(reach, distance) * s * (1.0 - n)
+
+    def near_weight(distance, r, _, n, s):
+        return covers(r, distance) * s * n
+
+    planes = (sharp, radius, vergence, near, share)
+    side = 2 * int(np.ceil((near * radius).max())) + 1
+    near_reach = cv2.dilate(near * radius, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side)))
+    layers = [gathered(planes, radius, far_weight), gathered(planes, near_reach, near_weight)]
+    colors, covered = [], []
+    for (weight, light), own in zip(layers, (1.0 - near, near)):
+        weight = weight + own * share  # the pixel itself always counts
+        light = light + (own * share)[..., None] * sharp
+        colors.append(light / np.maximum(weight, 1e-9)[..., None])
+        covered.append(np.clip(weight, 0.0, 1.0)[..., None])
+    cover = np.where(covered[0] < 1e-6, 1.0, covered[1])  # where the near layer hides all of the far one
+    return (cover * colors[1] + (1.0 - cover) * colors[0]).astype(np.float32)
