@@ -13,9 +13,10 @@ const Media* media() {
 }
 
 std::string withoutMedia() {
-  return media() ? ""
-                 : "; this foci has no libfoci_media, which reads cameras and videos: build it "
-                   "with FOCI_MEDIA";
+  return media()
+             ? ""
+             : "; this foci has no libfoci_media, which reads cameras, videos and EXR: build it "
+               "with FOCI_MEDIA";
 }
 
 }  // namespace foci

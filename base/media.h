@@ -52,6 +52,8 @@ struct Media {
   bool (*isImage)(const std::string& file);
   /// BGR, its bits as in the file, turned as its EXIF data say; empty if it cannot be read.
   cv::Mat (*readImage)(const std::string& file);
+  /// The values, bits and channels of the file; empty if it cannot be read.
+  cv::Mat (*readStored)(const std::string& file);
   /// 16 bits are rounded to 8. Nothing if it cannot be read.
   std::optional<DecodedImage> (*decodeImage)(std::span<const unsigned char> bytes);
 };

@@ -28,9 +28,9 @@ import time
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
-BENCH_LEFT_OUT = re.compile(r"SampleMesh/(3|1000)|SweepPlane/blur_dpx:(0|114)|/256px|/25cm|FirstFrame.*/8mm")  # rows that the page does without
+BENCH_LEFT_OUT = re.compile(r"Label(Off|On)line/60|SurfelsOfRandomSphere/10000000|threads:1|Frame/[a-z]*/pinhole|SampleMesh/(3|1000)|SweepPlane/blur_dpx:(0|114)|/256px|/25cm|FirstFrame.*/8mm")  # rows that the page does without
 CURVE = (0.3, 0.5, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
-SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "webcam", "large", "python")
+SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "peers", "stability", "reproduce", "eye", "webcam", "large", "python")
 
 
 def run(*command):
@@ -263,12 +263,39 @@ def chart(args):
             cells.setdefault(place, {})[method] = ", ".join(
                 short(row[name]) for name in ("ms_median", "psnr_dB", "visible_error")) + predicted
             ms.setdefault(method, []).append(float(row["ms_median"]))
-    methods = sorted(ms, key=lambda method: (len(ms[method]) == 1, sum(ms[method]) / len(ms[method])))
+    methods = sorted((method for method in ms if len(ms[method]) > 1), key=lambda method: sum(ms[method]) / len(ms[method]))
     text.append(table(["scene"] + methods, [[place] + [found.get(method, "") for method in methods]
                                             for place, found in cells.items()]))
     if not args.chart_options:
         shutil.copy(os.path.join(folder, "chart.png"), os.path.join(ROOT, "docs", "chart.png"))
     return "\n\n".join(text)
+
+
+def peers(args):
+    cases, out = (os.path.join(args.out, "peers", name) for name in ("cases", "chart"))
+    scenes = ["--size", "320", "--scene", "ball", "--scene", "gallery"]
+    run(args.foci, "chart", "--quick", *scenes, "--export", cases, "--overwrite")
+    run(sys.executable, os.path.join(ROOT, "tests", "peers", "peers.py"), cases)
+    run(args.foci, "chart", "--quick", *scenes, "--import", cases, "--out", out, "--overwrite",
+        *(word for name in ("pinhole", "auto", "sweep-lod:7") for word in ("--method", name)))
+    cells, renderers, columns = {}, {}, []
+    rows = rows_of(os.path.join(out, "chart.csv"))
+    largest = max(float(row["blur_px"]) for row in rows)
+    for row in rows:
+        if float(row["blur_px"]) != largest:
+            continue
+        method = row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"])
+        if row["renderer"] != "n/a":
+            renderers[row["method"].split(":")[0]] = row["renderer"]
+        columns += [] if method in columns else [method]
+        cells.setdefault(f"{row['scene']}, {short(row['blur_px'])} px", {})[method] = ", ".join(
+            short(row[name]) for name in ("ms_median", "psnr_dB", "flip"))
+    named = "; ".join(f"`{name}`: {version}" for name, version in sorted(renderers.items()))
+    return ("`tests/peers/peers.py` on exported cases, charted by `foci chart --import` "
+            "([methods.md](methods.md#other-renderers)): ms, PSNR in dB, FLIP. `game-blur` gathers "
+            f"from one sharp image with its depth, in Python. {named}.\n\n" +
+            table(["case"] + [f"`{name}`" for name in columns],
+                  [[case] + [found.get(name, "") for name in columns] for case, found in cells.items()]))
 
 
 def stability(args):
@@ -312,7 +339,7 @@ def reproduce(args):
             place = f"{row['scene']}, {short(row['aperture'])} m, {short(row['blur_px_max'])} px"
             cells.setdefault(place, {})["`" + row["method"] + "`"] = ", ".join(
                 short(row[name]) for name in ("kfragments", "points", "ms_median", "psnr_dB"))
-    methods = list(next(iter(cells.values())))
+    methods = [method for method in next(iter(cells.values())) if method != "`accumulate:200`"]
     return (f"`foci reproduce`, 512 x 512 px: thousands of fragments, points, ms at {threads} threads, and PSNR in dB "
             "([reproduce.md](reproduce.md)).\n\n" +
             table(["scene, aperture, blur"] + methods, [[place] + [found.get(method, "") for method in methods]
@@ -506,7 +533,7 @@ def python(args):
 TITLES = {"bench": "Benchmarks",
           "trained_events": "Trained event detection on recordings that it has not seen",
           "event_rules": "Event detection on recordings that its constants have not seen", "live": "Live", "chart": "Time against accuracy",
-          "stability": "Stability", "reproduce": "The paper's Table 1",
+          "peers": "Other renderers", "stability": "Stability", "reproduce": "The paper's Table 1",
           "eye": "The eye", "webcam": "The webcam", "large": "Scenes larger than memory", "python": "Python"}
 
 

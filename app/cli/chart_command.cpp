@@ -10,6 +10,8 @@
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/cli/scan_options.h"
+#include "app/evaluation/chart/export.h"
+#include "app/evaluation/chart/import.h"
 #include "app/evaluation/chart/measure.h"
 #include "app/evaluation/chart/page.h"
 #include "app/evaluation/chart/panel.h"
@@ -19,6 +21,7 @@
 #include "app/platform/machine.h"
 #include "app/platform/output_files.h"
 #include "app/platform/progress.h"
+#include "app/platform/shell.h"
 #include "app/platform/warnings.h"
 #include "base/input_error.h"
 #include "base/text.h"
@@ -29,7 +32,7 @@ namespace {
 constexpr int kMinSize_px = 16, kMaxSize_px = 4096;
 
 struct ChartOptions {
-  std::string out{};
+  std::string out{}, export_to{}, import_from{};
   ScanOptions scan{};
   EvaluationChoice choice{};
   bool stability = false, json = false, overwrite = false;
@@ -81,11 +84,16 @@ std::string writeOverview(const std::string& name, const Drawing& panels, Output
   return notice;
 }
 
+using Imported = std::vector<ImportedPoint>;
+
 /// Measures and writes the table, the page and the image of all panels.
-ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out,
+ChartResult chart(const ChartPlan& plan, const Imported& imported, const std::filesystem::path& out,
                   const OutputGuard& guard) {
   OutputFolder output(out, guard);
   ChartResult result = measureChart(plan, out, guard, progressOf(stepsOf(plan)));
+  writeImages(imported, output);
+  for (const ImportedPoint& one : imported) result.points.push_back(one.point);
+  markFrontiers(result.points);
   output.write("chart.csv", csvOf(result.points));
   const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
   const std::string notice = writeOverview(
@@ -96,8 +104,8 @@ ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out,
   return result;
 }
 
-StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& out,
-                      const OutputGuard& guard) {
+StabilityResult chart(const StabilityPlan& plan, const Imported& /*none*/,
+                      const std::filesystem::path& out, const OutputGuard& guard) {
   OutputFolder output(out, guard);
   StabilityResult result = measureStability(plan, out, guard, progressOf(stepsOf(plan)));
   output.write("stability.csv", csvOf(plan, result.points));
@@ -109,14 +117,16 @@ StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& ou
 }
 
 template <class Plan>
-void chartAndReport(const ChartOptions& options, const Plan& plan, const std::string& name) {
+void chartAndReport(const ChartOptions& options, const Plan& plan, const std::string& name,
+                    const Imported& imported = {}) {
   const auto start = std::chrono::steady_clock::now();
   const std::filesystem::path out = options.out;
   std::vector<std::filesystem::path> outputs = measuredFiles(plan, out);
   for (const char* extension : {".csv", ".html", ".png"})
     outputs.push_back(out / (name + extension));
+  for (const auto& file : importedFiles(imported, out)) outputs.push_back(file);
   const auto result =
-      chart(plan, out, OutputGuard(outputs, scanFiles(options.scan), options.overwrite));
+      chart(plan, imported, out, OutputGuard(outputs, scanFiles(options.scan), options.overwrite));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json) {
@@ -127,7 +137,45 @@ void chartAndReport(const ChartOptions& options, const Plan& plan, const std::st
   }
 }
 
+/// The options that choose the scenes, as they are given again.
+std::string sceneOptions(const ChartOptions& options) {
+  std::string text = options.choice.quick ? " --quick" : "";
+  if (options.choice.size_px) text += " --size " + std::to_string(*options.choice.size_px);
+  for (const std::string& scene : options.choice.scenes) text += " --scene " + scene;
+  if (options.choice.scan) {
+    text += " --scan " + shellWord(options.scan.scan);
+    for (const auto& [name, place] : {std::pair(" --eye ", &options.scan.eye),
+                                      {" --look-at ", &options.scan.look_at},
+                                      {" --up ", &options.scan.up}}) {
+      for (const double& each : *place) {
+        text += (&each == place->data() ? name : ",") + exactText(each);
+      }
+    }
+  }
+  return text;
+}
+
+void exportPlan(const ChartOptions& options, const ChartPlan& plan) {
+  const std::filesystem::path out = options.export_to;
+  OutputFolder output(
+      out, OutputGuard(exportedFiles(plan, out), scanFiles(options.scan), options.overwrite));
+  const std::size_t cases = plan.scenes.size() * plan.blurs_px.size();
+  Progress progress("exporting", "cases", cases);
+  exportCases(plan, sceneOptions(options), output,
+              [&, done = std::size_t{0}]() mutable { progress.advance(++done); });
+  output.commit();
+  if (options.json) {
+    std::puts(jsonText({{"out", out.string()}, {"cases", cases}}).c_str());
+  } else {
+    std::printf("%s, explained in %s\n", counted(cases, "case").c_str(),
+                visible((out / "README.md").string()).c_str());
+  }
+}
+
 void runChart(ChartOptions options) {
+  if (options.out.empty() && options.export_to.empty()) {
+    throw InputError("--out is required: the folder of the results");
+  }
   const auto& size_px = options.choice.size_px;
   if (size_px && (*size_px < kMinSize_px || *size_px > kMaxSize_px)) {
     throw InputError(
@@ -142,8 +190,15 @@ void runChart(ChartOptions options) {
   options.choice.scan = scanViewOf(options.scan);
   if (options.stability) {
     chartAndReport(options, planStability(options.choice), "stability");
+    return;
+  }
+  const ChartPlan plan = planChart(options.choice);
+  if (!options.export_to.empty()) {
+    exportPlan(options, plan);
   } else {
-    chartAndReport(options, planChart(options.choice), "chart");
+    chartAndReport(
+        options, plan, "chart",
+        options.import_from.empty() ? Imported() : importPoints(plan, options.import_from));
   }
 }
 
@@ -156,21 +211,38 @@ void addChartCommand(CLI::App& app) {
                                        "The run takes under half an hour;\n"
                                        "an interrupted run continues where it stopped.\n"
                                        "Example: foci chart --out out/chart\n"
-                                       "         foci chart --stability --out out/stability");
-  chart->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+                                       "         foci chart --stability --out out/stability\n"
+                                       "         foci chart --quick --scene ball --export cases");
+  CLI::Option* out =
+      chart->add_option("--out", options->out, "folder of the results")->type_name("DIR");
   chart->add_flag("--quick", options->choice.quick,
                   "two minutes: fewer blurs, settings and runs, times with all threads only");
-  chart->add_flag("--stability", options->stability,
-                  "score the methods on scenes made to break them, each with a dial from harmless "
-                  "to extreme");
+  CLI::Option* stability =
+      chart->add_flag("--stability", options->stability,
+                      "score the methods on scenes made to break them, each with a dial from "
+                      "harmless to extreme");
   chart->add_option("--size", options->choice.size_px, "width of the images; default 640")
       ->type_name("PX");
   chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
       ->type_name("NAME");
+  CLI::Option* method = chart
+                            ->add_option("--method", options->choice.methods,
+                                         "only this method, NAME or NAME:N; may be repeated")
+                            ->type_name("NAME");
+  CLI::Option* exported =
+      chart
+          ->add_option("--export", options->export_to,
+                       "write scenes, cameras, lenses and references for other renderers")
+          ->type_name("DIR")
+          ->excludes(out)
+          ->excludes(stability)
+          ->excludes(method);
   chart
-      ->add_option("--method", options->choice.methods,
-                   "only this method, NAME or NAME:N; may be repeated")
-      ->type_name("NAME");
+      ->add_option("--import", options->import_from,
+                   "also chart the images of other renderers that DIR/times.json lists")
+      ->type_name("DIR")
+      ->excludes(exported)
+      ->excludes(stability);
   addScanOptions(*chart, options->scan);
   addOverwriteFlag(*chart, options->overwrite);
   chart->add_flag("--json", options->json, "print the figures as JSON");

@@ -71,6 +71,7 @@ std::optional<ChartCell> ChartCells::load(const std::string& name, const std::st
                    .ssim = json.at("ssim"),
                    .coverage_error = json.at("coverage_error"),
                    .visible_error = json.at("visible_error"),
+                   .flip = json.at("flip"),
                    .first_ms = json.at("first_ms")};
     const Json& silhouette = json.at("silhouette_psnr_dB");
     if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberInJson(silhouette);
@@ -95,6 +96,7 @@ void ChartCells::store(const std::string& name, const std::string& key,
                {"silhouette_psnr_dB", nullptr},
                {"coverage_error", cell.coverage_error},
                {"visible_error", cell.visible_error},
+               {"flip", cell.flip},
                {"expected_error", nullptr},
                {"tolerance_met", nullptr},
                {"quality_level", nullptr},

@@ -21,6 +21,7 @@ struct ChartCell {
   std::optional<double> silhouette_psnr_dB = {};  ///< absent without a silhouette in view
   double coverage_error = 0.0;
   double visible_error = 0.0;  ///< 95 % quantile over the pixels, just-noticeable differences
+  double flip = 0.0;           ///< mean over the pixels (flip.h)
   /// The visible error that the method predicted; absent if the method predicts none.
   std::optional<double> expected_error = {};
   std::optional<bool> tolerance_met = {};          ///< whether it is within the tolerance

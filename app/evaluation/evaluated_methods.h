@@ -42,6 +42,9 @@ struct FamilyStyle {
 };
 
 std::span<const FamilyStyle> methodFamilies();
+/// The colour of other renderers, whose points are imported, and its name in keys.
+inline constexpr const char* kImportedColor = "#b23a3a";
+inline constexpr const char* kImportedName = "other renderers";
 /// @param method  a name, with or without number or variant; it must exist (asserted)
 const FamilyStyle& familyOf(const std::string& method);
 

@@ -69,12 +69,14 @@ std::string differenceFileOf(std::string image) {
   return image.insert(image.rfind('.'), "_difference");
 }
 
-void writeFamilies(std::ostream& out) {
-  for (const FamilyStyle& family : methodFamilies()) {
+void writeFamilies(std::ostream& out, bool imported) {
+  const auto entry = [&](const std::string& name, const std::string& color) {
     out << "<span style=\"white-space:nowrap\"><span class=\"state\" "
            "style=\"margin-right:.35em;background:"
-        << family.color << "\"></span>" << escaped(family.name) << "</span> ";
-  }
+        << color << "\"></span>" << escaped(name) << "</span> ";
+  };
+  for (const FamilyStyle& family : methodFamilies()) entry(family.name, family.color);
+  if (imported) entry(kImportedName, kImportedColor);
 }
 
 void writeImageDialog(std::ostream& out) {

@@ -24,8 +24,8 @@ std::string numberHtml(double value, int digits);
 /// "1 thread", "8 threads".
 std::string threadsText(unsigned threads);
 
-/// The key to the colours of the methods' families.
-void writeFamilies(std::ostream& out);
+/// The key to the colours of the methods' families, and of other renderers.
+void writeFamilies(std::ostream& out, bool imported = false);
 
 /// A dialog that every link in an <svg> opens. The dialog shows the image that the link names, the
 /// reference in the link's `data-at`, and the difference (`differenceFileOf` the image).

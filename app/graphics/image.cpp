@@ -1,9 +1,14 @@
 #include "app/graphics/image.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/file.h"
 #include "base/image_codec.h"
+#include "base/input_error.h"
+#include "base/media.h"
+#include "base/quiet_stderr.h"
 #include "render/image/srgb.h"
 
 namespace foci {
@@ -24,6 +29,39 @@ int markerWidth_px(const Image& image) { return std::max(2, image.size_px.y / 36
 
 Image imageOf(const Frame& frame, std::optional<double> gamma) {
   return {.size_px = frame.size_px, .rgb = codesOf(frame, gamma)};
+}
+
+Frame readImage(const std::filesystem::path& file) {
+  const std::string extension = lowerExtension(file);
+  if (extension != ".exr" && extension != ".png") {
+    throw InputError(file.string(), "expected a name that ends in .exr or .png");
+  }
+  requireRegularFile(file);
+  if (!std::filesystem::exists(file)) throw InputError(file.string(), "cannot be read");
+  requireWholeImage(file);
+  const QuietStderr quiet;
+  cv::Mat pixels = media() ? media()->readStored(file.string()) : cv::Mat();
+  const int channels = pixels.channels();
+  if (pixels.empty() || channels == 2) {
+    throw InputError(file.string(), "cannot be read as an image" + withoutMedia());
+  }
+  const bool codes = extension == ".png";
+  pixels.convertTo(pixels, CV_32F,
+                   !codes                    ? 1.0
+                   : pixels.depth() == CV_8U ? 1.0 / 255.0
+                                             : 1.0 / 65535.0);
+  Frame frame;
+  frame.resize({pixels.cols, pixels.rows});
+  for (std::size_t i = 0; i < frame.rgba.size(); ++i) {
+    const float* bgr = pixels.ptr<float>() + i * static_cast<std::size_t>(channels);
+    glm::vec3 rgb = channels == 1 ? glm::vec3(bgr[0]) : glm::vec3(bgr[2], bgr[1], bgr[0]);
+    for (int c = 0; c < 3 && codes; ++c) rgb[c] = linearFromSrgb(rgb[c]);
+    if (!std::isfinite(rgb.r + rgb.g + rgb.b)) {
+      throw InputError(file.string(), "has values that are not finite");
+    }
+    frame.rgba[i] = glm::vec4(rgb, 1.0f);
+  }
+  return frame;
 }
 
 void eraseMarker(Image& image, const glm::dvec2& point_px) {

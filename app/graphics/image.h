@@ -23,6 +23,12 @@ void drawMarker(Image& image, const glm::dvec2& point_px, bool broken);
 /// Makes black all that `drawMarker` may have drawn.
 void eraseMarker(Image& image, const glm::dvec2& point_px);
 
+/// Reads an EXR (linear light) or a PNG (sRGB, 8 or 16 bits). Alpha is left out. A file of one
+/// channel is grey.
+/// @throws InputError for another extension, a file that cannot be read, and values that are not
+/// finite
+Frame readImage(const std::filesystem::path& file);
+
 /// A smaller copy, `width_px` wide, of the same shape.
 Image thumbnail(const Image& image, int width_px);
 

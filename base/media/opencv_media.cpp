@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -49,6 +50,15 @@ class OpenCvEncoder : public VideoEncoder {
   cv::Mat bgr_;
 };
 
+cv::Mat readStored(const std::string& file) {
+  setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);  // NOLINT: OpenCV asks for it when it reads
+  try {
+    return cv::imread(file, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
 std::optional<DecodedImage> decode(std::span<const unsigned char> bytes) {
   try {
     const cv::Mat header(1, static_cast<int>(bytes.size()), CV_8U,
@@ -86,6 +96,7 @@ const foci::Media foci_media{
         [](const std::string& file) {
           return cv::imread(file, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
         },
+    .readStored = foci::readStored,
     .decodeImage = foci::decode,
 };
 }

@@ -107,17 +107,6 @@ std::vector<float> gaussianFromMiddle(double sigma_px) {
   return weights;
 }
 
-/// CIE 1976 L*a*b* of linear RGB.
-glm::vec3 labOf(const glm::vec3& rgb) {
-  const auto curve = [](float t) {
-    return t > kLinearBelow ? static_cast<float>(std::cbrt(double{t}))
-                            : kLinearSlope * t + 16.0f / 116.0f;
-  };
-  const glm::vec3 xyz = kXyzOfWhite * rgb;
-  return kLabOfCurve * glm::vec3(curve(xyz.x), curve(xyz.y), curve(xyz.z)) -
-         glm::vec3(16.0f, 0.0f, 0.0f);
-}
-
 }  // namespace
 
 double psnr_dB(const Frame& a, const Frame& b) {
@@ -214,6 +203,16 @@ std::optional<double> silhouettePsnr_dB(const Frame& a, const Frame& b,
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg) {
   assert(a.size_px == b.size_px);
   return visibleDifference(a, labOf(b, px_per_deg), px_per_deg);
+}
+
+glm::vec3 labOf(const glm::vec3& rgb) {
+  const auto curve = [](float t) {
+    return t > kLinearBelow ? static_cast<float>(std::cbrt(double{t}))
+                            : kLinearSlope * t + 16.0f / 116.0f;
+  };
+  const glm::vec3 xyz = kXyzOfWhite * rgb;
+  return kLabOfCurve * glm::vec3(curve(xyz.x), curve(xyz.y), curve(xyz.z)) -
+         glm::vec3(16.0f, 0.0f, 0.0f);
 }
 
 std::vector<glm::vec3> labOf(const Frame& frame, double px_per_deg) {

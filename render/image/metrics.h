@@ -66,6 +66,9 @@ inline constexpr float kLinearBelow = 0.008856f, kLinearSlope = 7.787f;
 /// @return row-major, one for each pixel. Both frames have the same size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
 
+/// CIE 1976 L*a*b* of linear RGB.
+glm::vec3 labOf(const glm::vec3& rgb);
+
 /// A frame as this eye sees it, row-major. Use it if many frames are compared with one.
 std::vector<glm::vec3> labOf(const Frame& frame, double px_per_deg);
 

@@ -70,11 +70,11 @@ TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
   const Json summary = Json::parse(outcome.out);
 
   const auto csv = csvOf(folder.read("out/chart.csv"));
-  EXPECT_EQ(csv[0], (std::vector<std::string>{"scene", "blur_px", "method", "setting", "threads",
-                                              "ms_median", "ms_min", "psnr_dB", "ssim",
-                                              "silhouette_psnr_dB", "coverage_error",
-                                              "reference_psnr_dB", "on_frontier", "visible_error",
-                                              "expected_error", "tolerance_met", "quality_level"}));
+  EXPECT_EQ(csv[0], (std::vector<std::string>{
+                        "scene", "blur_px", "method", "setting", "threads", "ms_median", "ms_min",
+                        "psnr_dB", "ssim", "silhouette_psnr_dB", "coverage_error",
+                        "reference_psnr_dB", "on_frontier", "visible_error", "expected_error",
+                        "tolerance_met", "quality_level", "flip", "renderer"}));
   EXPECT_EQ(csv.size() - 1, summary.at("points").size());
   std::set<std::string> charted, listed;
   for (std::size_t i = 1; i < csv.size(); ++i) {
@@ -244,6 +244,120 @@ TEST(Chart, RefusesInOneLineAndLeavesNothing) {
     EXPECT_EQ(outcome.out, "");
     EXPECT_FALSE(fs::exists(folder.path() / "made")) << refusal.says;
   }
+}
+
+/// The options of a chart of the scan, with two methods; `more` first.
+std::vector<std::string> caseArguments(std::vector<std::string> more) {
+  std::vector<std::string> all = {"chart",     "--quick", "--size",   "32",    "--scene",
+                                  "scan",      "--scan",  "step.ply", "--eye", "0,0,0",
+                                  "--look-at", "0,0,-1",  "--up",     "0,1,0", "--json"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+/// An entry of times.json that returns the case's own reference.
+Json returnedReference() {
+  return {{"name", "mine:1"},         {"version", "2.0"},
+          {"machine", "a, b"},        {"ms", 12.5},
+          {"case", "scan/4px"},       {"image", "scan/4px/reference.exr"},
+          {"sharp", "scan/sharp.png"}};
+}
+
+TEST(Chart, ExportsCasesAndChartsTheImagesThatComeBack) {
+  const TemporaryFolder folder;
+  folder.write("step.ply", stepPly());
+  const Outcome outcome = runFoci(caseArguments({"--export", "cases"}), folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out).at("cases"), kBlurs);
+  // The README's last step is the command that follows.
+  EXPECT_NE(folder.read("cases/README.md")
+                .find("`foci chart --quick --size 32 --scene scan --scan step.ply --eye 0,0,0 "
+                      "--look-at 0,0,-1 --up 0,1,0 --import THIS_FOLDER --out out/chart`"),
+            std::string::npos);
+
+  // The aperture, the f-number and the one point agree with each other and the camera.
+  const Json one = Json::parse(folder.read("cases/scan/16px/case.json"));
+  const Json camera = Json::parse(folder.read("cases/scan/transforms.json"));
+  const Json &lens = one.at("lens"), &point = lens.at("one_point");
+  const double focal_px = camera.at("fl_x"), aperture_m = lens.at("aperture_m");
+  EXPECT_NEAR(lens.at("f_number").get<double>(), 0.036 * focal_px / 32 / aperture_m, 1e-6);
+  const double off_D =
+      1.0 / point.at("depth_m").get<double>() - 1.0 / lens.at("focus_m").get<double>();
+  EXPECT_NEAR(point.at("blur_radius_px").get<double>(),
+              0.5 * aperture_m * focal_px * std::abs(off_D), 1e-3);
+  EXPECT_NEAR(point.at("blur_radius_px").get<double>(), 16.0, 1e-3);
+  const auto p = point.at("world_m").get<std::vector<double>>();  // the camera stands at the origin
+  EXPECT_NEAR(point.at("image_px")[0].get<double>(), 16.0 + focal_px * p[0] / -p[2], 1e-3);
+  EXPECT_NEAR(point.at("image_px")[1].get<double>(), 16.0 - focal_px * p[1] / -p[2], 1e-3);
+
+  folder.write("cases/times.json", Json::array({returnedReference()}).dump());
+  const std::vector<std::string> import =
+      caseArguments({"--import", "cases", "--out", "out", "--method", "pinhole"});
+  const Outcome imported = runFoci(import, folder.path());
+  ASSERT_EQ(imported.exit_code, 0) << imported.err;
+  bool found = false;
+  const auto csv = tableOf([&] {  // the machine has the only comma in quotes
+    std::string text = folder.read("out/chart.csv");
+    const std::size_t quoted = text.find("\"2.0, a, b\"");
+    EXPECT_NE(quoted, std::string::npos) << text;
+    text.replace(quoted, 11, "2.0 a b");
+    std::replace(text.begin(), text.end(), ',', '\t');
+    return text;
+  }());
+  for (const auto& row : csv) {
+    if (row[2] != "mine:1") continue;
+    found = true;
+    EXPECT_EQ(row[5], "12.5000");
+    EXPECT_EQ(row[7], "inf");      // PSNR
+    EXPECT_EQ(row[10], "n/a");     // coverage
+    EXPECT_EQ(row[17], "0.0000");  // FLIP
+    EXPECT_EQ(row[18], "2.0 a b");
+  }
+  EXPECT_TRUE(found);
+  EXPECT_TRUE(folder.read("out/images/scan_4px_mine-1.png").starts_with("\x89PNG"));
+  EXPECT_NE(folder.read("out/chart.html").find("other renderers"), std::string::npos);
+}
+
+TEST(Chart, ImportsNothingOfAListWithAFault) {
+  const TemporaryFolder folder;
+  folder.write("step.ply", stepPly());
+  ASSERT_EQ(runFoci(caseArguments({"--export", "cases"}), folder.path()).exit_code, 0);
+  const auto changed = [](const char* key, const Json& value) {
+    Json entry = returnedReference();
+    entry["name"] = "other";
+    entry[key] = value;
+    return Json::array({returnedReference(), entry}).dump();
+  };
+  const std::vector<std::pair<std::string, std::string>> refusals = {
+      {"is no JSON", "{"},
+      {"\"speed\"", changed("speed", 3)},
+      {"entry 2: ms: expected milliseconds", changed("ms", -1)},
+      {"name \"sweep\" is a method", changed("name", "sweep")},
+      {"a second image of", changed("name", "mine:1")},
+      {"the nearest is scan/4px", changed("case", "scan/5px")},
+      {"expected 32 x 32", changed("image", "../small/scan/sharp.png")},
+      {"is upside down", changed("sharp", "../down/scan/sharp.png")},
+  };
+  // Images of another size and of a camera on its head, from foci itself.
+  for (const auto& [to, option, value] :
+       {std::array{"small", "--size", "16"}, {"down", "--up", "0,-1,0"}}) {
+    auto arguments = caseArguments({"--export", to});
+    *(std::ranges::find(arguments, option) + 1) = value;
+    ASSERT_EQ(runFoci(arguments, folder.path()).exit_code, 0);
+  }
+  const auto import = [&](const std::string& from) {
+    return runFoci(caseArguments({"--import", from, "--out", "out", "--method", "pinhole"}),
+                   folder.path());
+  };
+  for (const auto& [says, list] : refusals) {
+    folder.write("cases/times.json", list);
+    const Outcome outcome = import("cases");
+    EXPECT_EQ(outcome.exit_code, 2) << says << ": " << outcome.err;
+    EXPECT_NE(outcome.err.find(says), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder.path() / "out")) << says;
+  }
+  folder.write("small/times.json", Json::array({returnedReference()}).dump());
+  EXPECT_NE(import("small").err.find("exported with other options"), std::string::npos);
 }
 
 }  // namespace FOCI_FILE

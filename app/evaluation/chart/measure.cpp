@@ -3,7 +3,6 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -11,15 +10,13 @@
 #include <optional>
 
 #include "app/evaluation/cells.h"
+#include "app/evaluation/chart/scores.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
 #include "app/session/auto_method.h"
 #include "base/parallel.h"
-#include "base/quantile.h"
-#include "base/text.h"
-#include "render/image/metrics.h"
 #include "render/lod/moment_tree.h"
 
 namespace foci {
@@ -50,8 +47,7 @@ class ChartGroup {
         cells_(cells),
         guard_(guard),
         on_steps_(on_steps),
-        key_(scene.id + " " + scene.input + "; " + std::to_string(plan.size_px) + " px; blur " +
-             decimal(blur_px, 3) + " px; reference " + plan.reference(scene, blur_px) + "; ") {
+        key_(plan.key(scene, blur_px)) {
     for (const EvaluatedMethod& method : scene.methods) {
       auto cell = cells.load(nameOf(method), keyOf(method));
       if (cell && haveImages(method)) found_[method.spec()] = *cell;
@@ -79,21 +75,14 @@ class ChartGroup {
       const ChartCell& cell = found_.at(method.spec());
       for (const unsigned threads : plan_.threads) {
         const std::vector<double>& ms = cell.ms.at(threads);
-        result.points.push_back({.scene = scene_.id,
-                                 .blur_px = blur_px_,
-                                 .method = method,
-                                 .threads = threads,
-                                 .ms_median = median(ms),
-                                 .ms_min = *std::min_element(ms.begin(), ms.end()),
-                                 .psnr_dB = cell.psnr_dB,
-                                 .ssim = cell.ssim,
-                                 .silhouette_psnr_dB = cell.silhouette_psnr_dB,
-                                 .coverage_error = cell.coverage_error,
-                                 .visible_error = cell.visible_error,
-                                 .expected_error = cell.expected_error,
-                                 .tolerance_met = cell.tolerance_met,
-                                 .quality_level = cell.quality_level,
-                                 .reference_psnr_dB = reference_->split_half_psnr_dB});
+        ChartPoint& point = result.points.emplace_back(pointOf(cell));
+        point.scene = scene_.id;
+        point.blur_px = blur_px_;
+        point.method = method;
+        point.threads = threads;
+        point.ms_median = median(ms);
+        point.ms_min = *std::min_element(ms.begin(), ms.end());
+        point.reference_psnr_dB = reference_->split_half_psnr_dB;
       }
     }
   }
@@ -142,20 +131,16 @@ class ChartGroup {
     if (missing && !reference) reference = renderReference(seen, settings);
     on_steps_(1);
 
-    std::vector<std::uint8_t> band;
-    std::vector<glm::vec3> reference_lab;
+    Compared compared;
     if (missing) {
-      reference_lab = labOf(reference->frame, kUsualPx_per_deg);
       Frame pinhole;
       RenderSettings sharp = seen.settings;
       sharp.depth = true;
       makeMethod("pinhole", *shared_)->render(seen.view, sharp, pinhole);
-      band = silhouetteBand(pinhole, settings.defocus);
+      compared = comparedWith(reference->frame, pinhole, settings.defocus);
     }
     for (const EvaluatedMethod& method : scene_.methods) {
-      if (!found_.contains(method.spec())) {
-        measureFirstFrame(method, seen, settings, {reference->frame, reference_lab, band});
-      }
+      if (!found_.contains(method.spec())) measureFirstFrame(method, seen, settings, compared);
       on_steps_(1);
     }
   }
@@ -171,44 +156,28 @@ class ChartGroup {
     return reference;
   }
 
-  /// What frames are compared with.
-  struct Compared {
-    const Frame& frame;
-    const std::vector<glm::vec3>& lab;      // `labOf` the frame
-    const std::vector<std::uint8_t>& band;  // the silhouettes
-  };
-
   void measureFirstFrame(const EvaluatedMethod& method, const SceneInView& seen,
-                         const RenderSettings& settings, const Compared& reference) {
-    constexpr double kShareOfPixels = 0.95;  // as `Quality::tolerance` counts errors
+                         const RenderSettings& settings, const Compared& compared) {
     Frame frame;
     RenderSettings checked = settings;
     checked.quality.check = ErrorCheck::at_once;
     if (choosesQuality(method.spec())) methodOf(method).pass(seen.view, checked);
     const RenderStats stats = methodOf(method).render(seen.view, settings, frame);
-    ChartCell cell{.expected_error = stats.tolerance_error,
-                   .tolerance_met = stats.tolerance_met,
-                   .quality_level = stats.quality_level,
-                   .first_ms = stats.ms};
+    ChartCell cell = scoresOf(frame, compared);
+    cell.expected_error = stats.tolerance_error;
+    cell.tolerance_met = stats.tolerance_met;
+    cell.quality_level = stats.quality_level;
+    cell.first_ms = stats.ms;
     if (stats.ms > kSlow * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
     const std::string image = imageFile(scene_.id, blur_px_, method);
-    const std::array<std::function<void()>, 5> tasks{
-        [&] {
-          auto visible = visibleDifference(frame, reference.lab, kUsualPx_per_deg);
-          cell.visible_error = quantile(visible, kShareOfPixels);
-        },
-        [&] { cell.ssim = ssim(frame, reference.frame); },
-        [&] {
-          cell.psnr_dB = psnr_dB(frame, reference.frame);
-          cell.silhouette_psnr_dB = silhouettePsnr_dB(frame, reference.frame, reference.band);
-          cell.coverage_error = coverageError(frame, reference.frame);
-        },
-        [&] { writeImage(image, imageOf(frame)); },
-        [&] {
-          writeImage(differenceFileOf(image),
-                     differenceOf(frame, reference.frame, kDifferenceGain));
-        }};
-    parallelFor(tasks.size(), [&](std::size_t i) { tasks.at(i)(); });
+    parallelFor(2, [&](std::size_t i) {
+      if (i == 0) {
+        writeImage(image, imageOf(frame));
+      } else {
+        writeImage(differenceFileOf(image),
+                   differenceOf(frame, *compared.reference, kDifferenceGain));
+      }
+    });
     cells_.store(nameOf(method), keyOf(method), cell);
     found_[method.spec()] = cell;
   }

@@ -10,6 +10,7 @@
 #include "app/graphics/image.h"
 #include "app/platform/machine.h"
 #include "base/text.h"
+#include "render/image/metrics.h"
 
 namespace foci {
 namespace {
@@ -166,7 +167,7 @@ void writePanels(std::ostream& out, const ChartPlan& plan, const std::vector<Cha
          "frontier, the black line: no other method is both faster and more accurate. A line joins "
          "the settings of one method. Points above the dashed line count as equal: the reference "
          "itself is no more accurate.</p><p class=\"legend\">";
-  writeFamilies(out);
+  writeFamilies(out, hasImported(points));
   out << "</p><p class=\"quiet\">Click a point for its image, the reference and their "
          "difference times "
       << decimal(kDifferenceGain, 0) << ".</p></div>\n</div>\n";
@@ -176,25 +177,29 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
   out << "<details><summary>All figures</summary>\n<div class=\"scroll\"><table class=\"figures\">"
          "<tr><th>scene</th><th>blur radius up to, px</th><th>method</th><th>threads</th>"
          "<th>ms, median (min)</th><th>PSNR, dB</th><th>SSIM</th><th>PSNR at silhouettes, dB</th>"
-         "<th>coverage error</th><th>visible error, JND</th><th>PSNR of the reference, dB</th>"
+         "<th>coverage error</th><th>visible error, JND</th><th>FLIP</th><th>PSNR of the "
+         "reference, dB</th>"
          "<th>on the frontier</th></tr>\n";
   for (const ChartPoint& one : points) {
     const std::string image = imageFile(one.scene, one.blur_px, one.method);
     out << "<tr>" << cell(escaped(one.scene)) << cell(decimal(one.blur_px, 0))
-        << cell("<a href=\"" + hrefOf(image) + "\">" + escaped(one.method.spec()) + "</a>")
+        << cell("<a href=\"" + hrefOf(image) + "\">" + escaped(one.method.spec()) + "</a>" +
+                (one.renderer.empty()
+                     ? ""
+                     : " <span class=\"quiet\">" + escaped(one.renderer) + "</span>"))
         << cell(std::to_string(one.threads))
         << cell(milliseconds(one.ms_median) + " <span class=\"quiet\">(" +
                 milliseconds(one.ms_min) + ")</span>")
         << cell(numberHtml(one.psnr_dB, 2)) << cell(decimal(one.ssim, 4))
         << cell(one.silhouette_psnr_dB ? numberHtml(*one.silhouette_psnr_dB, 2) : "n/a")
-        << cell(decimal(100.0 * one.coverage_error, 3) + "&thinsp;%")
+        << cell(one.coverage_error ? decimal(100.0 * *one.coverage_error, 3) + "&thinsp;%" : "n/a")
         << cell(decimal(one.visible_error, 2) +
                 (one.expected_error ? " (predicted " + decimal(*one.expected_error, 2) : "") +
                 (one.quality_level ? ", " + textOf(*one.quality_level) : "") +
                 (one.tolerance_met == false ? ", beyond the tolerance" : "") +
                 (one.expected_error ? ")" : ""))
-        << cell(numberHtml(one.reference_psnr_dB, 2)) << cell(one.on_frontier ? "yes" : "", "yes")
-        << "</tr>\n";
+        << cell(decimal(one.flip, 3)) << cell(numberHtml(one.reference_psnr_dB, 2))
+        << cell(one.on_frontier ? "yes" : "", "yes") << "</tr>\n";
   }
   out << "</table></div></details>\n";
 }
@@ -220,6 +225,11 @@ void writeMethodology(std::ostream& out, const ChartPlan& plan) {
          "that a step in depth blurs into (silhouettes), SSIM, and the mean difference of "
          "coverage. "
          "95 % of the pixels stay below the visible error, in just-noticeable differences (JND). "
+         "FLIP is that of Andersson and others (2020), the mean over the image, 0 to 1. Both hold "
+         "at "
+      << decimal(kUsualPx_per_deg, 0)
+      << " pixels per degree. Points of other renderers have the times and machines that their "
+         "<code>times.json</code> states. "
          "The dashed line compares one half of the reference's views with the other half.</li>\n"
          "<li><code>chart.csv</code> holds all figures and <code>images/</code> all images. A "
          "later "

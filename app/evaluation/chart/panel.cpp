@@ -39,8 +39,11 @@ std::string pointTitleOf(const ChartPoint& point) {
   return point.method.spec() + ": " + milliseconds(point.ms_median) + " ms, " + dB(point.psnr_dB) +
          (point.silhouette_psnr_dB ? " (at silhouettes " + dB(*point.silhouette_psnr_dB) + ")"
                                    : "") +
-         ", SSIM " + decimal(point.ssim, 4) + ", coverage error " +
-         decimal(100.0 * point.coverage_error, 2) + " %";
+         ", SSIM " + decimal(point.ssim, 4) + ", FLIP " + decimal(point.flip, 3) +
+         (point.coverage_error
+              ? ", coverage error " + decimal(100.0 * *point.coverage_error, 2) + " %"
+              : "") +
+         (point.renderer.empty() ? "" : "; " + point.renderer);
 }
 
 /// The frontier as a line: from below the fastest method up to it, in steps to the slowest, and on
@@ -58,15 +61,17 @@ PlotSeries staircase(std::vector<glm::dvec2> corners, const Plot& plot) {
 }
 
 /// The text beside the panels of the overview.
-Drawing overviewKey(const ChartPlan& plan, const Machine& machine) {
+Drawing overviewKey(const ChartPlan& plan, const Machine& machine, bool imported) {
   const unsigned threads = plan.threads.back();
   Drawing key{.size_px = kPanel_px};
   double y = 60.0;
-  for (const FamilyStyle& family : methodFamilies()) {
-    key.discs.push_back({{70.0, y}, 5.0, family.color});
-    key.texts.push_back({{84.0, y + 4.5}, family.name, Anchor::start, kInk, 13.0});
+  const auto entry = [&](const std::string& name, const std::string& color) {
+    key.discs.push_back({{70.0, y}, 5.0, color});
+    key.texts.push_back({{84.0, y + 4.5}, name, Anchor::start, kInk, 13.0});
     y += 24.0;
-  }
+  };
+  for (const FamilyStyle& family : methodFamilies()) entry(family.name, family.color);
+  if (imported) entry(kImportedName, kImportedColor);
   y += 10.0;
   for (const std::string& line :
        {std::string("Up is more accurate, left is faster."),
@@ -117,7 +122,10 @@ Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
     const ChartPoint& point = *shown[i].point;
     const std::string& name = point.method.name;
     if (plot.series.back().name != name) {
-      plot.series.push_back({.name = name, .color = familyOf(name).color, .width_px = 1.0});
+      plot.series.push_back(
+          {.name = name,
+           .color = point.renderer.empty() ? familyOf(name).color : kImportedColor,
+           .width_px = 1.0});
     }
     plot.series.back().points.push_back(
         {.x = ms[i],
@@ -153,7 +161,7 @@ Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points,
                            ChartMeasure::psnr, scene.title)),
             place(cell++));
   }
-  all.add(overviewKey(plan, machine), place(cell));
+  all.add(overviewKey(plan, machine, hasImported(points)), place(cell));
   return all;
 }
 

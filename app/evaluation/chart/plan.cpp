@@ -7,6 +7,7 @@
 #include "app/evaluation/ball.h"
 #include "app/evaluation/timed_runs.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -96,6 +97,11 @@ std::string ChartPlan::reference(const ChartScene& scene, double blur_px) const 
   const std::string traced = "raytrace:" + std::to_string(rays);
   const bool triangles = scene.truth == ChartTruth::triangles && !expectedMethod(traced);
   return triangles ? traced : "accumulate:" + std::to_string(views(blur_px));
+}
+
+std::string ChartPlan::key(const ChartScene& scene, double blur_px) const {
+  return scene.id + " " + scene.input + "; " + std::to_string(size_px) + " px; blur " +
+         decimal(blur_px, 3) + " px; reference " + reference(scene, blur_px) + "; ";
 }
 
 ChartPlan planChart(const EvaluationChoice& choice) {

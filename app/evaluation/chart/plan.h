@@ -45,6 +45,9 @@ struct ChartPlan {
   /// The method that makes a scene's reference. Without ray tracing (FOCI_RAYTRACE), every scene
   /// has `accumulate`.
   std::string reference(const ChartScene& scene, double blur_px) const;
+
+  /// All that the frames of a scene at one blur depend on, besides their methods.
+  std::string key(const ChartScene& scene, double blur_px) const;
 };
 
 /// @throws InputError for an unknown scene or method, or a scan that cannot be read

@@ -19,6 +19,18 @@ std::string panelName(const std::string& scene, double blur_px) {
 
 }  // namespace
 
+ChartPoint pointOf(const ChartCell& cell) {
+  return {.psnr_dB = cell.psnr_dB,
+          .ssim = cell.ssim,
+          .silhouette_psnr_dB = cell.silhouette_psnr_dB,
+          .coverage_error = cell.coverage_error,
+          .visible_error = cell.visible_error,
+          .flip = cell.flip,
+          .expected_error = cell.expected_error,
+          .tolerance_met = cell.tolerance_met,
+          .quality_level = cell.quality_level};
+}
+
 double worthOf_dB(const ChartPoint& point) {
   return std::min(point.psnr_dB, point.reference_psnr_dB);
 }
@@ -37,6 +49,10 @@ void markFrontiers(std::vector<ChartPoint>& points) {
   }
 }
 
+bool hasImported(const std::vector<ChartPoint>& points) {
+  return std::ranges::any_of(points, [](const ChartPoint& one) { return !one.renderer.empty(); });
+}
+
 std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const std::string& scene,
                                  double blur_px, unsigned threads) {
   std::vector<ChartPoint> chosen;
@@ -51,7 +67,7 @@ std::string csvOf(const std::vector<ChartPoint>& points) {
   std::string csv =
       "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,silhouette_psnr_dB,"
       "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error,"
-      "tolerance_met,quality_level\n";
+      "tolerance_met,quality_level,flip,renderer\n";
   for (const ChartPoint& one : points) {
     const auto& silhouette = one.silhouette_psnr_dB;
     csv += csvField(one.scene) + ',' + decimal(one.blur_px, 0) + ',' + one.method.name + ',' +
@@ -59,11 +75,13 @@ std::string csvOf(const std::vector<ChartPoint>& points) {
            std::to_string(one.threads) + ',' + decimal(one.ms_median, 4) + ',' +
            decimal(one.ms_min, 4) + ',' + decimalOrInf(one.psnr_dB, 3) + ',' +
            decimal(one.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + ',' +
-           decimal(one.coverage_error, 6) + ',' + decimalOrInf(one.reference_psnr_dB, 3) + ',' +
-           (one.on_frontier ? "yes" : "no") + ',' + decimal(one.visible_error, 3) + ',' +
+           (one.coverage_error ? decimal(*one.coverage_error, 6) : "n/a") + ',' +
+           decimalOrInf(one.reference_psnr_dB, 3) + ',' + (one.on_frontier ? "yes" : "no") + ',' +
+           decimal(one.visible_error, 3) + ',' +
            (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + ',' +
            (one.tolerance_met ? *one.tolerance_met ? "yes" : "no" : "n/a") + ',' +
-           (one.quality_level ? textOf(*one.quality_level) : "n/a") + '\n';
+           (one.quality_level ? textOf(*one.quality_level) : "n/a") + ',' + decimal(one.flip, 4) +
+           ',' + (one.renderer.empty() ? "n/a" : csvField(one.renderer)) + '\n';
   }
   return csv;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/evaluation/cells.h"
 #include "app/evaluation/evaluated_methods.h"
 #include "render/methods/quality_level.h"
 
@@ -12,16 +13,19 @@ namespace foci {
 
 /// A row of chart.csv. `ChartCell` explains the errors.
 struct ChartPoint {
-  std::string scene;
+  std::string scene = {};
   double blur_px = 0.0;  ///< largest blur radius in view
   EvaluatedMethod method = {};
+  /// Version and machine of another renderer, whose name the method has; empty: a method of foci's.
+  std::string renderer = {};
   unsigned threads = 0;
   double ms_median = 0.0, ms_min = 0.0;
   double psnr_dB = 0.0;
   double ssim = 0.0;
   std::optional<double> silhouette_psnr_dB = {};
-  double coverage_error = 0.0;
+  std::optional<double> coverage_error = {};  ///< absent for another renderer
   double visible_error = 0.0;
+  double flip = 0.0;
   std::optional<double> expected_error = {};
   std::optional<bool> tolerance_met = {};
   std::optional<QualityLevel> quality_level = {};
@@ -29,12 +33,18 @@ struct ChartPoint {
   bool on_frontier = false;        ///< see `markFrontiers`
 };
 
+/// A point with the errors of a cell, and what `auto` states of them.
+ChartPoint pointOf(const ChartCell& cell);
+
 /// PSNR as far as the reference can tell: at most the reference's own.
 double worthOf_dB(const ChartPoint& point);
 
 /// Sets `on_frontier`: the frontier of time and `worthOf_dB` among the points of one scene, blur
 /// and number of threads.
 void markFrontiers(std::vector<ChartPoint>& points);
+
+/// Whether other renderers are among the points.
+bool hasImported(const std::vector<ChartPoint>& points);
 
 /// The points of one scene, blur and number of threads.
 std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const std::string& scene,

@@ -98,14 +98,17 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
   one.tolerance_met = false;
   one.quality_level = QualityLevel::views;
   one.on_frontier = true;
+  one.flip = 0.125;
+  one.renderer = "2.0, mine";
   EXPECT_EQ(
       csvOf({one, point("sweep", 2.0, 30.0)}),
       "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
       "silhouette_psnr_dB,coverage_error,reference_psnr_dB,on_frontier,visible_error,"
-      "expected_error,tolerance_met,quality_level\n"
+      "expected_error,tolerance_met,quality_level,flip,renderer\n"
       "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes,1.250,1.500,"
-      "no,auto:9\n"
-      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no,0.000,n/a,n/a,n/a\n");
+      "no,auto:9,0.1250,\"2.0, mine\"\n"
+      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,n/a,50.000,no,0.000,n/a,n/a,n/a,0.0000,n/"
+      "a\n");
 }
 
 // The error that `auto` predicts bounds the measured error on every scene of the chart. The

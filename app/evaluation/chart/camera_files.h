@@ -1,0 +1,24 @@
+// The camera of a view in the files of other programs.
+#pragma once
+
+#include <string>
+
+#include "render/optics/view.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// The `transforms.json` of NeRF and Gaussian tools. `transform_matrix` is world from camera, with
+/// the axes of OpenGL: x right, y up, the camera looks along -z.
+/// @param image, scene  file names beside it
+std::string nerfTransforms(const View& view, const std::string& image, const std::string& scene);
+
+/// A COLMAP model as text. Its camera has x right, y down and looks along +z.
+struct ColmapModel {
+  std::string cameras, images, points3D;
+};
+
+/// @param cloud  a thousand of its points go to points3D.txt
+ColmapModel colmapModel(const View& view, const std::string& image, const SurfelCloud& cloud);
+
+}  // namespace foci

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Renders exported cases with other renderers, and lists the images in times.json.
+
+    foci chart --quick --scene ball --scene gallery --export out/cases
+    python3 tests/peers/peers.py out/cases
+    foci chart --quick --scene ball --scene gallery --import out/cases --out out/peers
+
+The blur of games (game_blur.py) renders every case, Blender Cycles those of a mesh. A renderer that is not installed is
+skipped, with a line.
+"""
+
+import argparse
+import glob
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def machine():
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        model = re.search(r"model name\s*: (.*)", file.read())
+    return f"{model[1] if model else 'unknown CPU'}, {os.cpu_count()} threads"
+
+
+class Peers:
+    def __init__(self, folder):
+        self.folder = folder
+        self.images = []
+        self.cases = []
+        for name in sorted(glob.glob(os.path.join(folder, "*", "*", "case.json"))):
+            with open(name, encoding="utf-8") as file:
+                self.cases.append((os.path.dirname(os.path.relpath(name, folder)), json.load(file)))
+
+    def add(self, renderer, version, case, ms, image, sharp):
+        self.images.append({"name": renderer, "version": version, "machine": machine(), "ms": ms, "case": case["case"],
+                            "image": image, "sharp": sharp})
+        print(f"{case['case']}: {renderer}, {ms:.0f} ms", file=sys.stderr)
+
+    def game_blur(self):
+        os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
+        try:
+            import cv2
+        except ImportError:
+            print("the blur of games is skipped: Python has no OpenCV (python3-opencv)", file=sys.stderr)
+            return
+        sys.path.insert(0, HERE)
+        import game_blur
+
+        def plane(*name):
+            return cv2.imread(os.path.join(self.folder, *name), cv2.IMREAD_UNCHANGED)
+
+        for name, case in self.cases:
+            scene = os.path.dirname(name)
+            sharp, depth_m = plane(scene, "sharp.exr"), plane(scene, "depth.exr")
+            start = time.perf_counter()
+            image = game_blur.blurred(sharp, depth_m, case["lens"])
+            ms = 1000.0 * (time.perf_counter() - start)
+            cv2.imwrite(os.path.join(self.folder, name, "game_blur.exr"), image)
+            self.add("game-blur", f"OpenCV {cv2.__version__}", case, ms, f"{name}/game_blur.exr", f"{scene}/sharp.exr")
+
+    def cycles(self, samples):
+        blender = shutil.which("blender")
+        if blender is None:
+            print("Blender Cycles is skipped: blender is not installed", file=sys.stderr)
+            return
+        version = subprocess.run([blender, "--version"], check=True, stdout=subprocess.PIPE, text=True).stdout
+        version = version.splitlines()[0]
+
+        def rendered(case_name, image, samples, *options):
+            out = subprocess.run([blender, "-b", "--factory-startup", "-P", os.path.join(HERE, "cycles.py"), "--",
+                                  os.path.join(self.folder, case_name, "case.json"),
+                                  os.path.abspath(os.path.join(self.folder, image)), str(samples), *options],
+                                 check=True, stdout=subprocess.PIPE, text=True).stdout
+            return float(re.search(r"^ms (.*)$", out, re.M)[1])
+
+        for name, case in self.cases:
+            if not any(file.endswith(".glb") for file in case["scene"]):
+                continue
+            sharp = f"{os.path.dirname(name)}/cycles_sharp.exr"
+            if all(image["sharp"] != sharp for image in self.images):
+                rendered(name, sharp, 64, "sharp")
+            for count in samples:
+                image = f"{name}/cycles_{count}.exr"
+                self.add(f"Cycles:{count}", version, case, rendered(name, image, count), image, sharp)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", help="folder that foci chart --export wrote")
+    parser.add_argument("--samples", type=int, nargs="+", default=[16, 64, 256], help="of Cycles, a pixel")
+    args = parser.parse_args()
+    peers = Peers(args.cases)
+    peers.game_blur()
+    peers.cycles(args.samples)
+    with open(os.path.join(args.cases, "times.json"), "w", encoding="utf-8") as file:
+        json.dump(peers.images, file, indent=1)
+
+
+if __name__ == "__main__":
+    main()
