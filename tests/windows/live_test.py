@@ -150,18 +150,20 @@ def scrub_a_recording(observer, foci, out):
         file.write("time_s\tx_px\ty_px\n")
         for i in range(600):
             place = NEAR if i < 300 else FAR
-            file.write(f"{50 + 0.01 * i:.2f}\t{place[0] * 1920:.1f}\t{place[1] * 1080:.1f}\n")
+            noise = math.sin(37 * i)
+            file.write(f"{50 + 0.01 * i:.2f}\t{place[0] * 1920 + noise:.3f}\t{place[1] * 1080 - noise:.3f}\n")
     program, experiment = start(observer, foci, out + "/plane.toml", "--source", "trace:" + out + "/two.tsv")
-    begun = experiment.until(lambda s: s["method"], "shown")
+    begun = experiment.until(lambda s: s["speed"] == 1, "playing")
     assert begun["recording_s"] < 52, begun
     at = lambda second: lambda s: abs(s["recording_s"] - second) < 0.05
     observer.press("space")
     experiment.until(lambda s: s["speed"] == 0, "paused")
     observer.press("l", 2)
-    experiment.until(lambda s: at(54.5)(s) and s["gaze_px"] and abs(s["gaze_px"][0] / 1920 - FAR[0]) < 0.02, "at the second fixation")
+    looks = lambda place: lambda s: s["gaze_px"] and abs(s["gaze_px"][0] / 1920 - place[0]) < 0.02
+    experiment.until(lambda s: at(54.5)(s) and looks(FAR)(s), "at the second fixation")
     observer.screenshot(out + "/live-timeline.png")
     observer.press("j")
-    experiment.until(lambda s: at(51.5)(s) and abs(s["gaze_px"][0] / 1920 - NEAR[0]) < 0.02, "at the first fixation")
+    experiment.until(lambda s: at(51.5)(s) and looks(NEAR)(s), "at the first fixation")
     observer.press("Right")
     experiment.until(at(55.99), "at the end")
     observer.press("Home")
