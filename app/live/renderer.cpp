@@ -368,8 +368,8 @@ void LiveRenderer::renderFrames(const std::stop_token& stop) {
 /// Whether another frame may differ from the last one. While a recording pauses, none does after
 /// the first few but those that the refiner has rendered.
 bool LiveRenderer::hasNews() const {
-  const bool goes_on =
-      last_.rendered && (paused_frames_ < kPaused || methodInfo(study_.render.method).incremental);
+  const bool goes_on = (last_.rendered || paused_frames_ == 0) &&
+                       (paused_frames_ < kPaused || methodInfo(study_.render.method).incremental);
   return now_s() > last_frame_s_ || goes_on || (refiner_ && refiner_->done() != refined_);
 }
 
@@ -449,13 +449,14 @@ HeadRow LiveRenderer::beginPath(double time_s) {
 }
 
 /// Moves the eye to where the head is when the frame is shown.
-LiveHead LiveRenderer::followHead(double time_s) {
+LiveHead LiveRenderer::followHead(double time_s, double now_s) {
   for (const GazeSample& sample : news_) {
     if (feed_.player() && sample.head && sample.time_s < time_s) {
       addPose(sample.time_s, *sample.head);
     }
   }
-  LiveHead head = head_(study_, time_s);
+  // While a recording pauses, frames have later times, but the head rests.
+  LiveHead head = head_(study_, std::min(time_s, now_s));
   head.displays = study_.headsetEyes();
   addPose(time_s, head.in_scene);
   return head;
@@ -524,7 +525,7 @@ bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& recor
     refiner_->want({});
   } else if (record.eye.state != GazeState::saccade) {  // the same requests are wanted after it
     const double moved_D = std::abs(record.eye.focus_D - last_.eye.focus_D);
-    const bool rests = moved_D <= kStill_D_s * (record.time_s - last_.time_s);
+    const bool rests = paused_frames_ > 0 || moved_D <= kStill_D_s * (record.time_s - last_.time_s);
     const RenderRequest at_rest = session_->requestAtRest(last_method_, record);
     std::vector<RenderRequest> wanted;
     if ((rests || request == at_rest) && !session_->hasFullQuality(request))
@@ -549,7 +550,7 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   timing.render_start_s = clock_.now_s();
   const double time_s =
       std::max({now_s, last_sample_s_.value_or(0.0), wholeMicroseconds(last_frame_s_ + kTick_s)});
-  if (head_) frame->head = followHead(time_s);
+  if (head_) frame->head = followHead(time_s, now_s);
   pushGaze();
   frame->record = session_->look(time_s);
   const GazeState state = frame->record.eye.state;

@@ -110,7 +110,7 @@ class LiveRenderer {
   void pushGaze();
   bool hasNews() const;
   HeadRow beginPath(double time_s);
-  LiveHead followHead(double time_s);
+  LiveHead followHead(double time_s, double now_s);
   void addPose(double time_s, const HeadInWorld& head);
   GazeReception receptionSince(double start_s) const;
   GazeSample asRecorded(GazeSample sample) const;

@@ -155,6 +155,19 @@ TEST_F(Playing, ARecordedHeadMovesTheViewAndARecordOfItReplays) {
         });
     ASSERT_EQ(renderer.startRecord(folder).get(), "");
     const auto early = watch(renderer, [](const FrameRecord& frame) { return frame.time_s > 0.1; });
+    // While it pauses, the head rests: a frame may be rendered again at full quality.
+    feed.player()->play(false);
+    watchFor(renderer, 0.1);
+    std::vector<glm::dvec3> eyes_m;
+    for (const char* pupil_mm : {"5", "6"}) {
+      EXPECT_EQ(renderer.change("observer.pupil_mm", pupil_mm).get(), "");
+      const auto frame = watch(
+          renderer, [&](const FrameRecord& now) { return now.pupil_mm == pupil_mm[0] - '0'; });
+      ASSERT_TRUE(frame);
+      eyes_m.push_back(frame->record.eye_m);
+    }
+    EXPECT_EQ(eyes_m[0], eyes_m[1]);
+    feed.player()->play(true);
     EXPECT_EQ(renderer.change("output.view", "\"side-by-side\"").get(), "");
     feed.player()->seek(1.9);
     const auto late =
