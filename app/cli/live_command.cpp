@@ -7,6 +7,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/cli/study_options.h"
+#include "app/live/opened_file.h"
 #include "app/live/options.h"
 #include "app/live/record.h"
 #include "app/platform/json_text.h"
@@ -113,6 +114,20 @@ std::string liveSummaryText(const LiveSummary& summary) {
   return text;
 }
 
+/// The study as the window shows it.
+Study studyOfWindow(Study study, const LiveOptions& live) {
+  study.output.maps.clear();  // a replay of the record writes them
+  if (!study.quality.frame_ms && !live.headset) study.quality.frame_ms = kLiveFrame_ms;
+  if (study.eye.path.empty() && !study.eye.position_m) {
+    // The observer moves from the scene's own eye pose.
+    const EyePose pose = builtinPose(study);
+    study.eye.position_m = pose.position_m;
+    study.eye.look_at_m = pose.target_m;
+    study.eye.up = pose.up;
+  }
+  return study;
+}
+
 void runLiveCommand(const LiveCommandOptions& options, const std::string& command_line) {
   LiveOptions live = options.live;
   if (live.source.starts_with("socket") && live.socket.empty()) {
@@ -136,17 +151,28 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
     makeRecordFolder(*live.record);
   }
   saveStudy(options, asked, guard);
-  Study study = asked.study;
-  study.output.maps.clear();  // a replay of the record writes them
-  if (!study.quality.frame_ms && !live.headset) study.quality.frame_ms = kLiveFrame_ms;
-  if (study.eye.path.empty() && !study.eye.position_m) {
-    // The observer moves from the scene's own eye pose.
-    const EyePose pose = builtinPose(study);
-    study.eye.position_m = pose.position_m;
-    study.eye.look_at_m = pose.target_m;
-    study.eye.up = pose.up;
+  Study placed;  // before a recorded head has moved its eye
+  live.open = [&](const std::filesystem::path& file, const Study& now) {
+    return openedFile(file, options, live.source, now.eye.recorded ? placed : now);
+  };
+  LiveNext next{.study = std::move(asked.study),
+                .scene = std::move(asked.scene),
+                .source = live.source,
+                .title = std::filesystem::path(options.study).filename().string()};
+  LiveSummary summary;
+  for (bool more = true; more;) {
+    live.source = next.source;
+    live.title = "foci live: " + next.title;
+    auto records = std::move(summary.records);
+    auto failed = std::move(summary.failed_records);
+    placed = studyOfWindow(std::move(next.study), live);
+    summary = runLive(placed, live, std::move(next.scene));
+    summary.records.insert(summary.records.begin(), records.begin(), records.end());
+    summary.failed_records.insert(summary.failed_records.begin(), failed.begin(), failed.end());
+    live.record.reset();  // of the first study alone
+    more = summary.next.has_value();
+    if (more) next = *std::exchange(summary.next, std::nullopt);
   }
-  const LiveSummary summary = runLive(study, live, std::move(asked.scene));
   std::string text = options.json ? liveSummaryJson(summary) : liveSummaryText(summary);
   if (options.latency && !options.json) text += latencyText(summary);
   std::puts(text.c_str());

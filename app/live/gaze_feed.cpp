@@ -44,9 +44,10 @@ void GazeFeed::run(const std::stop_token& stop) {
     news.clear();
     std::string status;
     SenderFacts sender;
-    const double now_s = clock_.now_s();
+    double now_s = clock_.now_s();
     try {
       source_.source->poll(now_s, news);
+      if (source_.player) now_s = wholeMicroseconds(source_.player->time_s());
       status = source_.source->status();
       sender = source_.source->sender();
     } catch (const std::exception& error) {  // focus stays where it is
@@ -54,11 +55,42 @@ void GazeFeed::run(const std::stop_token& stop) {
       sender = {.dropped = sender_.dropped + 1, .why = status, .clock = sender_.clock};
     }
     const std::lock_guard lock(mutex_);
+    now_s_ = now_s;
+    holdGaze(news);
     note(news, std::move(sender), now_s);
     status_ = std::move(status);
     polls_ended_ = polls_begun_;
     polled_.notify_all();
   }
+}
+
+/// Remembers where gaze is, or keeps it there.
+void GazeFeed::holdGaze(std::vector<GazeSample>& news) {
+  for (GazeSample& sample : news) {
+    if (!holds_) {
+      if (sample.point_px && !sample.blink) latest_px_ = sample.point_px;
+      continue;
+    }
+    sample.point_px = latest_px_;
+    sample.blink = false;
+    sample.eyes = {};
+  }
+}
+
+bool GazeFeed::hold(bool on) {
+  const std::lock_guard lock(mutex_);
+  if (on && !latest_px_) return false;
+  holds_ = on;
+  return true;
+}
+
+bool GazeFeed::holds() const {
+  const std::lock_guard lock(mutex_);
+  return holds_;
+}
+
+void GazeFeed::begin() {
+  if (source_.player && !std::exchange(begun_, true)) source_.player->play(true);
 }
 
 /// Takes what a poll has brought.
@@ -82,7 +114,7 @@ void GazeFeed::note(const std::vector<GazeSample>& news, SenderFacts&& sender, d
 
 void GazeFeed::look(bool uses_gaze) {
   const std::lock_guard lock(mutex_);
-  logLine(watch_.look(clock_.now_s(), uses_gaze));
+  logLine(watch_.look(source_.player ? now_s_ : clock_.now_s(), uses_gaze));
 }
 
 GazeReception GazeFeed::reception() const {
@@ -129,10 +161,17 @@ std::string GazeFeed::push(std::string_view text) {
   return answer;
 }
 
-void GazeFeed::take(std::vector<GazeSample>& samples) {
+double GazeFeed::take(std::vector<GazeSample>& samples) {
   const std::lock_guard lock(mutex_);
   samples.insert(samples.end(), waiting_.begin(), waiting_.end());
   waiting_.clear();
+  return source_.player ? now_s_ : clock_.now_s();
+}
+
+double GazeFeed::now_s() const {
+  if (!source_.player) return clock_.now_s();
+  const std::lock_guard lock(mutex_);
+  return now_s_;
 }
 
 void GazeFeed::waitForPoll() {

@@ -74,7 +74,23 @@ class GazeFeed {
   std::string push(std::string_view samples);
 
   /// Appends the samples since the last call, oldest first.
-  void take(std::vector<GazeSample>& samples);
+  /// @return as `now_s`: of a recording, all samples up to then have been taken
+  double take(std::vector<GazeSample>& samples);
+
+  /// On the clock of the samples: a recording that plays has a clock of its own.
+  double now_s() const;
+
+  /// A recording begins to play, with the first frame. Other sources have begun.
+  void begin();
+
+  /// From now on the observer looks where they looked last, whatever the source says.
+  /// @return false if no gaze has come yet
+  bool hold(bool on);
+  bool holds() const;
+
+  /// Null: the source is no recording.
+  TracePlayer* player() const { return source_.player; }
+  const Playback& playback() const { return source_.playback; }
 
   /// Waits, for a second at most, until the source has been polled anew: `take` then has every
   /// sample that had arrived before.
@@ -94,6 +110,7 @@ class GazeFeed {
  private:
   void run(const std::stop_token& stop);
   void note(const std::vector<GazeSample>& news, SenderFacts&& sender, double now_s);
+  void holdGaze(std::vector<GazeSample>& news);
 
   NamedSource source_;
   const LiveClock& clock_;
@@ -105,6 +122,9 @@ class GazeFeed {
   double logged_step_s_ = 0.0;
   std::optional<glm::dvec2> pointer_px_;
   std::string status_;
+  double now_s_ = 0.0;                   // of a recording, at the latest poll
+  std::optional<glm::dvec2> latest_px_;  // gaze
+  bool holds_ = false, begun_ = false;
   std::size_t polls_begun_ = 0, polls_ended_ = 0;
   std::condition_variable polled_;
   std::jthread thread_;  // last: it uses the others

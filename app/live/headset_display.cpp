@@ -160,10 +160,10 @@ std::optional<HeadsetGaze> HeadsetDisplay::gazeInScene() const {
   return gaze;
 }
 
-LiveHead HeadsetDisplay::headNext(const Study* moved) {
+LiveHead HeadsetDisplay::headNext(const Study* study) {
   const auto now = headset_->headNext();
   const std::lock_guard lock(mutex_);
-  if (moved) in_scene_.stand(*moved);
+  if (study) in_scene_.stand(*study);
   if (now || !last_head_) {
     const HeadNow head = now.value_or(HeadNow{});
     last_head_ = {.in_scene = in_scene_.inScene(head.head), .in_room = head.head};

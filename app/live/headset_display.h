@@ -67,8 +67,8 @@ class HeadsetDisplay {
   NamedSource gaze(const Study& study, const Screen& screen);
 
   /// The head in the next frame; the last one while it is not tracked.
-  /// @param moved  the study, whose eye may have moved; null: it has not
-  LiveHead headNext(const Study* moved = nullptr);
+  /// @param study  whose eye may have moved; null: it has not
+  LiveHead headNext(const Study* study = nullptr);
 
   /// Shows the renderer's frames until `stop`.
   void start(LiveRenderer& renderer);

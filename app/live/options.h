@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,14 @@
 
 namespace foci {
 
+/// What is shown next.
+struct LiveNext {
+  Study study{};
+  std::optional<SceneFile> scene{};  ///< the study's scene file, if it has been read
+  std::string source{};              ///< of the gaze
+  std::string title{};
+};
+
 struct LiveOptions {
   std::string source = "mouse";
   bool window = false;   ///< false: full screen
@@ -22,6 +31,10 @@ struct LiveOptions {
   std::string socket;    ///< of remote control, as `RemoteSocket` takes it; empty: none
   unsigned threads = 1;  ///< that render
   std::string command;   ///< as typed
+  std::string title;     ///< of the window
+  /// Opens a file that was dropped on the window. Called from a thread; throws InputError.
+  /// @param now  the study that is shown
+  std::function<LiveNext(const std::filesystem::path& file, const Study& now)> open{};
 };
 
 struct LiveSummary {
@@ -36,9 +49,10 @@ struct LiveSummary {
   GazeReception reception;
   std::vector<std::filesystem::path> records;
   std::vector<std::string> failed_records;  ///< a line each: the folder, and why
+  std::optional<LiveNext> next{};           ///< absent: the observer has left
 };
 
-/// Shows the study until the observer leaves.
+/// Shows the study until the observer leaves, or drops a file on the window.
 /// @param scene  the study's scene file, if it has been read
 /// @throws InputError, std::runtime_error
 LiveSummary runLive(const Study& study, const LiveOptions& options, std::optional<SceneFile> scene);

@@ -21,32 +21,6 @@ constexpr ImU32 kWarning = IM_COL32(255, 214, 10, 255), kQuiet = IM_COL32(235, 2
 
 constexpr double kStep_s = 6.0;  // how long the notice of a step of a clock stays
 
-struct HelpLine {
-  const char *key, *what;
-};
-
-constexpr HelpLine kHelp[] = {
-    {"Escape", "leave"},
-    {"?", "these keys"},
-    {"F1", "the panel"},
-    {"1 ... 8", "pupil, mm"},
-    {"F", "focus: follow the eye, or keep it fixed"},
-    {"+  -", "fixed focus a quarter of a dioptre nearer, farther"},
-    {"M", "show the gaze"},
-    {"S", "left half sharp"},
-    {"V", "view: mono, side by side, top and bottom, anaglyph"},
-    {"N", "next method"},
-    {"arrows", "move the eye by a step of the scene's size; with page up and down up and down"},
-    {"right button", "turn the eye"},
-    {"left button", "look at it and click: the map of a calibrated webcam learns"},
-    {"Home", "the eye back to where it began; in a headset, where you are and look now"},
-    {"R", "record: begin, end"},
-    {"space", "an event marker in the record"},
-    {"P", "save the image to a file"},
-    {"O", "an object of interest, at the mouse; not in a record that runs"},
-    {"F2", "save the study to a file, with its objects"},
-};
-
 /// Shows text on a dark ground, centred at `x`. @return the y below it
 float noticeAt(float x, float y, ImU32 colour, const std::string& text) {
   ImDrawList* draw = ImGui::GetForegroundDrawList();
@@ -59,69 +33,107 @@ float noticeAt(float x, float y, ImU32 colour, const std::string& text) {
   return y + size.y + 14.0f;
 }
 
-void focusControls(const PanelContent& content, const LiveControls& controls) {
-  const Study& study = content.state.study;
-  const double now_D = content.frame ? content.frame->record.eye.focus_D : 1.0;
-  int fixed = study.focus.fixed_D ? 1 : 0;
-  if (ImGui::RadioButton("follow", &fixed, 0)) controls.change("focus.fixed_D", "null");
-  ImGui::SameLine();
-  if (ImGui::RadioButton("fixed", &fixed, 1)) controls.change("focus.fixed_D", tomlNumber(now_D));
-  ImGui::SameLine();
-  ImGui::Text("focus");
-  if (study.focus.fixed_D) {
-    auto fixed_D = static_cast<float>(*study.focus.fixed_D);
-    if (ImGui::SliderFloat("focus, D", &fixed_D, 0.0f, 6.0f, "%.2f")) {
-      controls.change("focus.fixed_D", tomlNumber(std::clamp(fixed_D, 0.0f, 20.0f)));
+/// Shows what a key means, with its unit and range, for the item under the mouse.
+void tip(const Study& study, std::string_view name) {
+  if (!ImGui::IsItemHovered()) return;
+  for (const ResolvedKey& key : resolvedKeys(study)) {
+    if (key.name != name) continue;
+    const std::string text = std::string(key.meaning) +
+                             (key.allowed.empty() ? "" : "\nexpected: " + key.allowed) + "\n" +
+                             std::string(name);
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(26.0f * ImGui::GetFontSize());
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+  }
+}
+
+/// The items of a panel that change keys of a study.
+class KeyItems {
+ public:
+  KeyItems(const Study& study, const LiveControls& controls) : study_(study), controls_(controls) {}
+
+  template <class Names>
+  void combo(const char* label, std::string_view now, const Names& names, const char* key) const {
+    const bool open = ImGui::BeginCombo(label, std::string(now).c_str());
+    if (!open) tip(study_, key);
+    if (!open) return;
+    for (const auto& each : names) {
+      const std::string name(each);
+      if (ImGui::Selectable(name.c_str(), name == now)) controls_.change(key, '"' + name + '"');
     }
+    ImGui::EndCombo();
   }
-}
 
-template <class Names>
-void combo(const char* label, std::string_view now, const Names& names, const char* key,
-           const LiveControls& controls) {
-  if (!ImGui::BeginCombo(label, std::string(now).c_str())) return;
-  for (const auto& each : names) {
-    const std::string name(each);
-    if (ImGui::Selectable(name.c_str(), name == now)) controls.change(key, '"' + name + '"');
+  void check(const char* label, bool now, const char* key) const {
+    if (ImGui::Checkbox(label, &now)) controls_.change(key, now ? "true" : "false");
+    tip(study_, key);
   }
-  ImGui::EndCombo();
-}
 
-void check(const char* label, bool now, const char* key, const LiveControls& controls) {
-  if (ImGui::Checkbox(label, &now)) controls.change(key, now ? "true" : "false");
-}
-
-void slide(const char* label, double now, float low, float high, const char* key,
-           const LiveControls& controls) {
-  auto value = static_cast<float>(now);
-  if (ImGui::SliderFloat(label, &value, low, high, "%.1f")) {
-    controls.change(key, tomlNumber(std::clamp(value, low, high)));
+  /// @param step  that values are rounded to
+  void slide(const char* label, double now, double low, double high, const char* key,
+             double step = 0.1) const {
+    auto value = static_cast<float>(now);
+    const char* format = step < 0.1 || step == 0.25 ? "%.2f" : step < 1.0 ? "%.1f" : "%.0f";
+    if (ImGui::SliderFloat(label, &value, static_cast<float>(low), static_cast<float>(high),
+                           format)) {
+      const double rounded = step * std::round(static_cast<double>(value) / step);
+      controls_.change(key, tomlNumber(std::clamp(rounded, low, high)));
+    }
+    tip(study_, key);
   }
-}
+
+  const Study& study() const { return study_; }
+  const LiveControls& controls() const { return controls_; }
+
+ private:
+  const Study& study_;
+  const LiveControls& controls_;
+};
 
 std::string metresText(double focus_D) {
   if (focus_D < -0.005) return "behind the eye";
   return focus_D < 0.005 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
 }
 
-/// Prescription and chromatic aberration.
-void eyeControls(const Study::Observer& observer, const LiveControls& controls) {
-  if (!ImGui::CollapsingHeader("The observer's eye")) return;
-  check("wears glasses", observer.corrected, "observer.corrected", controls);
+bool group(const char* name, bool opens = true) {
+  return ImGui::CollapsingHeader(name, opens ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+}
+
+/// Pupil, focus and prescription.
+void eyeControls(const KeyItems& items, const PanelContent& content) {
+  const Study::Observer& observer = items.study().observer;
+  const auto& fixed_D = items.study().focus.fixed_D;
+  items.slide("pupil, mm", observer.pupil_mm, 1.0, 8.0, "observer.pupil_mm");
+  const double now_D = content.frame ? content.frame->record.eye.focus_D : 1.0;
+  int fixed = fixed_D ? 1 : 0;
+  const auto& change = items.controls().change;
+  if (ImGui::RadioButton("focus follows", &fixed, 0)) change("focus.fixed_D", "null");
   ImGui::SameLine();
-  check("chromatic aberration", observer.chromatic, "observer.chromatic", controls);
-  const auto quarters = [](float value) { return std::round(4.0f * value) / 4.0f; };
-  const auto power = [&](const char* label, double now, float max, const char* key) {
-    auto value = static_cast<float>(now);
-    if (ImGui::SliderFloat(label, &value, -max, max, "%+.2f")) {
-      controls.change(key, tomlNumber(std::clamp(quarters(value), -max, max)));
-    }
-  };
-  power("sphere, D", observer.sphere_D, 8.0f, "observer.sphere_D");
-  power("cylinder, D", observer.cylinder_D, 6.0f, "observer.cylinder_D");
-  auto axis_deg = static_cast<int>(std::lround(observer.axis_deg));
-  if (ImGui::SliderInt("axis, deg", &axis_deg, 0, 180)) {
-    controls.change("observer.axis_deg", std::to_string(std::clamp(axis_deg, 0, 180)));
+  if (ImGui::RadioButton("fixed", &fixed, 1)) change("focus.fixed_D", tomlNumber(now_D));
+  if (fixed_D) items.slide("focus, D", *fixed_D, 0.0, 6.0, "focus.fixed_D", 0.01);
+  items.check("wears glasses", observer.corrected, "observer.corrected");
+  items.slide("sphere, D", observer.sphere_D, -8.0, 8.0, "observer.sphere_D", 0.25);
+  items.slide("cylinder, D", observer.cylinder_D, -6.0, 6.0, "observer.cylinder_D", 0.25);
+  items.slide("axis, deg", observer.axis_deg, 0.0, 180.0, "observer.axis_deg", 1.0);
+  if (observer.corrected && (observer.sphere_D != 0.0 || observer.cylinder_D != 0.0)) {
+    ImGui::TextWrapped("The glasses correct this: without them the eye sees its blur.");
+  }
+  items.check("chromatic aberration", observer.chromatic, "observer.chromatic");
+}
+
+void displayControls(const KeyItems& items) {
+  const Study& study = items.study();
+  items.combo("view", studyWord(study.output.view), studyWords<StereoView>(), "output.view");
+  if (study.output.view != StereoView::mono) {
+    items.slide("IPD, mm", study.observer.ipd_mm, 50.0, 75.0, "observer.ipd_mm");
+  }
+  items.check("left half sharp", study.output.split, "output.split");
+  if (study.eye.position_m && !study.eye.recorded) {
+    const glm::dvec3 &eye = *study.eye.position_m, &at = *study.eye.look_at_m;
+    ImGui::TextWrapped("eye at %.3g, %.3g, %.3g m, looks at %.3g, %.3g, %.3g", eye.x, eye.y, eye.z,
+                       at.x, at.y, at.z);
   }
 }
 
@@ -179,127 +191,120 @@ void objectControls(std::vector<NamedShape> objects, const LiveControls& control
   if (changed || removed) controls.set_objects(std::move(objects));
 }
 
-/// What method auto may spend on a frame.
-void qualityControls(const QualitySettings& quality, const LiveControls& controls) {
-  if (!ImGui::CollapsingHeader("Quality (method auto)")) return;
-  slide("tolerance, jnd", quality.tolerance, 0.1f, 10.0f, "quality.tolerance", controls);
+/// The method, what auto may spend on a frame, and what frames take.
+void qualityControls(const KeyItems& items, const PanelContent& content) {
+  const QualitySettings& quality = items.study().quality;
+  items.combo("method", items.study().render.method, content.state.methods, "render.method");
+  items.slide("tolerance, JND", quality.tolerance, 0.1, 10.0, "quality.tolerance");
   bool budget = quality.frame_ms.has_value();
   if (ImGui::Checkbox("frame-time budget", &budget)) {
-    controls.change("quality.frame_ms", budget ? "20" : "null");
+    items.controls().change("quality.frame_ms", budget ? "20" : "null");
   }
+  tip(items.study(), "quality.frame_ms");
   ImGui::SameLine();
-  check("foveated", quality.foveated, "quality.foveated", controls);
+  items.check("foveated", quality.foveated, "quality.foveated");
   if (quality.frame_ms) {
-    slide("budget, ms", *quality.frame_ms, 1.0f, 100.0f, "quality.frame_ms", controls);
+    items.slide("budget, ms", *quality.frame_ms, 1.0, 100.0, "quality.frame_ms");
+  }
+  ImGui::TextWrapped("%.1f ms gaze to screen (95 %%: %.1f); %llu refreshes repeated",
+                     content.summary.sample_to_swap.quantile_ms(0.5),
+                     content.summary.sample_to_swap.quantile_ms(0.95),
+                     static_cast<unsigned long long>(content.summary.repeated));
+  if (content.frame && content.frame->record.stats.gpu) {
+    ImGui::TextWrapped("GPU, ms: %s", stageText(*content.frame->record.stats.gpu).c_str());
+  }
+  content.graph.draw();
+}
+
+void recordControls(const PanelContent& content, const LiveControls& controls) {
+  const auto button = [](const char* label, const char* key) {
+    const bool pressed = ImGui::Button(label);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("key %s", key);
+    return pressed;
+  };
+  if (button(content.state.record ? "End the record" : "Record", "R")) controls.toggle_record();
+  ImGui::SameLine();
+  if (button("Event marker", "T")) controls.add_marker();
+  if (button("Save image", "P")) controls.screenshot();
+  ImGui::SameLine();
+  if (button("Save study", "F2")) controls.save_study();
+}
+
+void gazeControls(const KeyItems& items, const PanelContent& content) {
+  items.check("show the gaze", items.study().output.marker, "output.marker");
+  ImGui::SameLine();
+  bool holds = content.holds_gaze;
+  if (ImGui::Checkbox("hold gaze", &holds)) items.controls().hold_gaze();
+  if (ImGui::IsItemHovered()) {
+    ImGui::SetTooltip("key G: the observer looks where they looked last");
+  }
+  ImGui::TextWrapped("%s", content.source.c_str());
+  if (const auto& clock = content.state.reception.clock) {
+    ImGui::TextWrapped("sender's clock: %s", clockText(*clock).c_str());
+  }
+  if (const std::size_t dropped = content.state.reception.dropped; dropped > 0) {
+    ImGui::TextWrapped("samples dropped: %zu", dropped);
+  }
+  if (content.frame) {
+    const EyeNow& eye = content.frame->record.eye;
+    ImGui::TextWrapped("%s; focus %.2f D (%s); %s", std::string(nameOf(eye.state)).c_str(),
+                       eye.focus_D, metresText(eye.focus_D).c_str(),
+                       content.frame->record.method.c_str());
   }
 }
 
 }  // namespace
 
 void FrameGraph::draw() const {
-  const ImVec2 size(ImGui::GetContentRegionAvail().x, 60.0f);
+  const ImVec2 size(ImGui::GetContentRegionAvail().x, 2.5f * ImGui::GetFontSize());
   const auto plot = [&](const char* name, const std::array<float, kFrames>& values) {
     const float max = std::max(40.0f, *std::max_element(values.begin(), values.end()));
-    char text[80];
-    std::snprintf(text, sizeof text, "%s, ms; up to %.0f", name, static_cast<double>(max));
-    ImGui::PlotLines("##graph", values.data(), kFrames, next_, text, 0.0f, max, size);
+    ImGui::Text("%s, 0 to %.0f ms", name, static_cast<double>(max));
+    ImGui::PushID(name);
+    ImGui::PlotLines("##graph", values.data(), kFrames, next_, nullptr, 0.0f, max, size);
+    ImGui::PopID();
   };
-  ImGui::PushID(0);
   plot("gaze to screen", sample_to_swap_);
-  ImGui::PopID();
-  ImGui::PushID(1);
   plot("rendering", render_);
-  ImGui::PopID();
-  ImGui::PushID(2);
   plot("waiting for the screen", wait_);
-  ImGui::PopID();
 }
 
-void drawPanel(const PanelContent& content, const LiveControls& controls, bool& open) {
+void drawPanel(const PanelContent& content, const LiveControls& controls, float lower_px,
+               bool& open) {
+  constexpr float kWide = 23.0f, kItem = 11.0f;  // of the font's size: whole texts
   const Study& study = content.state.study;
-  ImGui::SetNextWindowPos({16.0f, 16.0f}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({430.0f, 0.0f});  // as high as what is open in it
-  ImGui::SetNextWindowBgAlpha(0.9f);
-  if (ImGui::Begin("foci live", &open, ImGuiWindowFlags_NoSavedSettings)) {
-    ImGui::PushItemWidth(220.0f);
-    slide("pupil, mm", study.observer.pupil_mm, 1.0f, 8.0f, "observer.pupil_mm", controls);
-    focusControls(content, controls);
-    combo("method", study.render.method, content.state.methods, "render.method", controls);
-    combo("view", studyWord(study.output.view), studyWords<StereoView>(), "output.view", controls);
-    if (study.output.view != StereoView::mono) {
-      slide("interpupillary distance, mm", study.observer.ipd_mm, 50.0f, 75.0f, "observer.ipd_mm",
-            controls);
-    }
-    check("show the gaze", study.output.marker, "output.marker", controls);
-    ImGui::SameLine();
-    check("left half sharp", study.output.split, "output.split", controls);
-    eyeControls(study.observer, controls);
-    qualityControls(study.quality, controls);
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  const float em = ImGui::GetFontSize(), gap = 0.6f * em;
+  const float font = std::min(1.0f, (area.x - 2.0f * gap) / (kWide * em));
+  ImGui::SetNextWindowPos({gap, gap}, ImGuiCond_FirstUseEver);
+  const float width = font * kWide * em;
+  ImGui::SetNextWindowSizeConstraints({width, 0.0f},
+                                      {width, std::max(area.y - lower_px - 2.0f * gap, 4.0f * em)});
+  ImGui::SetNextWindowBgAlpha(0.92f);
+  if (ImGui::Begin("foci live", &open,
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize)) {
+    ImGui::SetWindowFontScale(font);
+    ImGui::PushItemWidth(font * kItem * em);
+    const KeyItems items(study, controls);
+    if (group("Eye")) eyeControls(items, content);
+    if (group("Display")) displayControls(items);
+    if (group("Gaze")) gazeControls(items, content);
+    if (group("Record")) recordControls(content, controls);
+    if (group("Quality", false)) qualityControls(items, content);
     objectControls(study.scene.objects, controls);
     ImGui::PopItemWidth();
-    if (ImGui::Button(content.state.record ? "End the record" : "Record")) {
-      controls.toggle_record();
-    }
-    ImGui::SameLine();
-    if (ImGui::Button("Event marker")) controls.add_marker();
-    if (ImGui::Button("Save image")) controls.screenshot();
-    ImGui::SameLine();
-    if (ImGui::Button("Save study")) controls.save_study();
-    ImGui::Separator();
-    ImGui::TextWrapped("%s", content.source.c_str());
-    if (const auto& clock = content.state.reception.clock) {
-      ImGui::TextWrapped("sender's clock: %s", clockText(*clock).c_str());
-    }
-    if (const std::size_t dropped = content.state.reception.dropped; dropped > 0) {
-      ImGui::TextWrapped("samples dropped: %zu", dropped);
-    }
-    if (content.frame) {
-      const EyeNow& eye = content.frame->record.eye;
-      ImGui::Text("%s; focus %.2f D (%s); %s", std::string(nameOf(eye.state)).c_str(), eye.focus_D,
-                  metresText(eye.focus_D).c_str(), content.frame->record.method.c_str());
-    }
-    if (study.eye.position_m) {
-      const glm::dvec3 &eye = *study.eye.position_m, &at = *study.eye.look_at_m;
-      ImGui::Text("eye at %.3g, %.3g, %.3g m, looks at %.3g, %.3g, %.3g", eye.x, eye.y, eye.z, at.x,
-                  at.y, at.z);
-    }
-    ImGui::Text("%.1f ms gaze to screen (95 %%: %.1f); %llu refreshes repeated",
-                content.summary.sample_to_swap.quantile_ms(0.5),
-                content.summary.sample_to_swap.quantile_ms(0.95),
-                static_cast<unsigned long long>(content.summary.repeated));
-    if (content.frame && content.frame->record.stats.gpu) {
-      ImGui::TextWrapped("GPU, ms: %s", stageText(*content.frame->record.stats.gpu).c_str());
-    }
-    content.graph.draw();
   }
   ImGui::End();
 }
 
-void drawHelp(bool& open) {
-  const ImVec2 area = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({0.5f * area.x, 0.5f * area.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowBgAlpha(0.92f);
-  if (ImGui::Begin("Keys", &open,
-                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
-    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-      for (const HelpLine& line : kHelp) {
-        ImGui::TableNextColumn();
-        ImGui::TextUnformatted(line.key);
-        ImGui::TableNextColumn();
-        ImGui::TextUnformatted(line.what);
-      }
-      ImGui::EndTable();
-    }
-  }
-  ImGui::End();
-}
-
-void drawNotices(const PanelContent& content, const std::string& notice, bool first) {
+void drawNotices(const PanelContent& content, const std::string& notice, bool first,
+                 float lower_px) {
   const ImVec2 area = ImGui::GetIO().DisplaySize;
   float y = 14.0f;
   const float x = 0.5f * area.x;
   if (!content.frame) {
-    noticeAt(x, 0.5f * area.y, kQuiet, "opening the scene");
+    noticeAt(x, 0.5f * area.y, kQuiet,
+             content.state.opening + ": " + decimal(content.now_s, 0) + " s");
     return;
   }
   const GazeReception& reception = content.state.reception;
@@ -326,7 +331,9 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
     ImGui::GetForegroundDrawList()->AddCircleFilled({area.x - 24.0f, 24.0f}, 9.0f, kRecording);
   }
   if (!notice.empty()) noticeAt(x, y, kQuiet, notice);
-  if (first) noticeAt(x, area.y - 40.0f, kQuiet, "F1: panel    ?: keys    Escape: leave");
+  if (first)
+    noticeAt(x, area.y - lower_px - 2.0f * ImGui::GetFontSize(), kQuiet,
+             "F1: panel    ?: keys    Escape: leave");
 }
 
 void drawSyncPatch(int side_px, int level) {

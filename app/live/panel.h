@@ -36,26 +36,31 @@ class FrameGraph {
 struct LiveControls {
   std::function<void(const std::string& key, const std::string& toml)> change;
   std::function<void(std::vector<NamedShape> objects)> set_objects;
-  std::function<void()> toggle_record, screenshot, add_marker, save_study;
+  std::function<void()> toggle_record, screenshot, add_marker, hold_gaze, save_study;
 };
 
 struct PanelContent {
   const LiveState& state;
   const LiveFrame* frame;  ///< shown last; null before the first
   std::string source;      ///< status of the gaze source
+  bool holds_gaze;
   const FrameGraph& graph;
   const LiveSummary& summary;
   double now_s;
 };
 
-/// @param open  false once the observer has closed it
-void drawPanel(const PanelContent& content, const LiveControls& controls, bool& open);
+/// @param lower_px  of the window's lower edge that is in use
+/// @param open      false once the observer has closed it
+void drawPanel(const PanelContent& content, const LiveControls& controls, float lower_px,
+               bool& open);
 
-void drawHelp(bool& open);
+/// @param plays  the source is a recording: its player has keys
+void drawHelp(bool plays, bool& open);
 
 /// Shows problems of gaze and record, and `notice`, at the upper edge.
 /// @param first  also shows the most important keys, at the lower edge
-void drawNotices(const PanelContent& content, const std::string& notice, bool first);
+void drawNotices(const PanelContent& content, const std::string& notice, bool first,
+                 float lower_px);
 
 /// Draws gaze markers behind everything, as `drawGazeMarkers` does in an image.
 void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,

@@ -28,6 +28,12 @@ Study studyOfRecord(Study study, double rate_Hz) {
   study.record.markers = "event_markers.tsv";
   if (study.eye.recorded) study.record.head = "head.tsv";
   study.record.rate_Hz = rate_Hz;
+  if (study.eye.recorded && !study.eye.position_m) {  // of a recording; a study places its eye
+    const glm::dmat4 pose = glm::inverse(glm::dmat4(study.eye.recorded->eyeFromWorldAt(0.0)));
+    study.eye.position_m = glm::dvec3(pose[3]);
+    study.eye.look_at_m = glm::dvec3(pose[3] - pose[2]);
+    study.eye.up = glm::dvec3(pose[1]);
+  }
   study.output.seconds.reset();
   study.remote = {};
   return study;
@@ -59,8 +65,9 @@ int medianOf(const std::map<int, std::size_t>& counts) {
 void makeRecordFolder(const fs::path& folder) {
   requireFolderOrNothing(folder);
   std::error_code error;
-  for (const char* name : {"study.toml", "gaze.tsv", "frames.tsv", "changes.tsv", "timing.tsv",
-                           "event_markers.tsv", "head.tsv", "events.tsv", "manifest.json"}) {
+  for (const char* name :
+       {"study.toml", "gaze.tsv", "frames.tsv", "changes.tsv", "timing.tsv", "event_markers.tsv",
+        "head.tsv", "playback.tsv", "events.tsv", "manifest.json"}) {
     if (!fs::exists(fs::symlink_status(folder / name, error))) continue;
     throw InputError(folder.string(), std::string("has a ") + name +
                                           " already, as records have: expected another folder");
@@ -141,6 +148,21 @@ void LiveRecord::add(const Change& change) {
 
 void LiveRecord::add(const HeadRow& row) {
   post([this, row] { head_ << headRow(row); });
+}
+
+void LiveRecord::play(const std::string& file, const PlayPoint& point) {
+  post([this, file] {
+    playback_.open(folder_ / "playback.tsv", std::ios::binary);
+    playback_ << "# recording=" << visible(file) << "\ntime_s\trecording_s\tspeed\n";
+  });
+  add(point);
+}
+
+void LiveRecord::add(const PlayPoint& point) {
+  post([this, point] {
+    playback_ << decimal(point.time_s, 6) << '\t' << decimal(point.recording_s, 6) << '\t'
+              << decimal(point.speed, 3) << '\n';
+  });
 }
 
 void LiveRecord::addMarker(double time_s, const std::string& text) {
@@ -250,9 +272,9 @@ void LiveRecord::write(const LiveFrame& frame) {
     flushed_s_ = last_s_;
     gaze_.flush();
     frames_.flush();
-    for (std::ofstream* out : {&changes_, &timing_, &markers_, &head_}) out->flush();
+    for (std::ofstream* out : {&changes_, &timing_, &markers_, &head_, &playback_}) out->flush();
   }
-  if (!changes_ || !timing_ || !markers_ || !head_) {
+  if (!changes_ || !timing_ || !markers_ || !head_ || !playback_) {
     throw std::runtime_error(cannotWrite(folder_));
   }
   const std::lock_guard lock(mutex_);
@@ -264,6 +286,7 @@ void LiveRecord::finish() {
   frames_.finish();
   for (std::ofstream* out : {&changes_, &timing_, &markers_}) out->close();
   if (study_.record.head) head_.close();
+  if (playback_.is_open()) playback_.close();
   if (inferred_ > 0) {
     warnings_.include({std::to_string(inferred_) + " of " + std::to_string(gaze_samples_) +
                        " samples of gaze are inferred: the tracker did not see the eyes"});

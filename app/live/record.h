@@ -7,7 +7,10 @@
 //   changes.tsv        keys that changed, each with the time of the first frame with its new value
 //   timing.tsv         when each frame was sampled, rendered and shown
 //   event_markers.tsv  event markers, set by a key or by remote control
-//   head.tsv           of a headset: the head in the scene, of each frame and of each sample
+//   head.tsv           of a headset or a recording with a head: the head in the scene, of each
+//   frame
+//                      and of each sample
+//   playback.tsv       of a recording as the source: where and how fast it plays from when on
 // Once it is closed:
 //   events.tsv         as of a replay
 //   manifest.json      with the hash of all frames, which equals that of the replay, and how soon
@@ -37,6 +40,7 @@
 #include "app/record/tables.h"
 #include "app/session/session.h"
 #include "app/study/live_change.h"
+#include "gaze/live/trace_player.h"
 #include "render/gl/texture.h"
 
 namespace foci {
@@ -94,8 +98,11 @@ class LiveRecord {
 
   void add(const GazeSample& sample);
   void add(const Change& change);
-  /// Only of a headset.
+  /// Only if the head moves the eye.
   void add(const HeadRow& row);
+  /// The source is a recording.
+  void play(const std::string& file, const PlayPoint& point);
+  void add(const PlayPoint& point);
   void addMarker(double time_s, const std::string& text);
   /// @param devices  that rendered its frames so far (`Session::devices`)
   void setDevices(const std::string& devices);
@@ -137,7 +144,7 @@ class LiveRecord {
   Warnings warnings_;
   GazeTable gaze_;
   FrameTable frames_;
-  std::ofstream changes_, timing_, markers_, head_;
+  std::ofstream changes_, timing_, markers_, head_, playback_;
   Sha256 hash_;
   Durations render_, rendered_;        // of all frames; without reused frames
   std::map<int, std::size_t> pupils_;  // frames by hundredths of a millimetre

@@ -50,6 +50,10 @@ std::string stateOf(const LiveState& state, double now_s) {
     json["record"] = state.record->folder().string();
     if (const auto failure = state.record->failure()) json["record_failure"] = *failure;
   }
+  if (state.playing) {
+    json["recording_s"] = state.playing->recording_s;
+    json["speed"] = state.playing->plays ? state.playing->speed : 0.0;
+  }
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -70,13 +74,13 @@ std::filesystem::path unusedName(const std::string& extension) {
   return path;
 }
 
-std::string answerTo(const std::string& command, LiveRenderer& renderer, const LiveClock& clock) {
+std::string answerTo(const std::string& command, LiveRenderer& renderer) {
   const std::size_t space = std::min(command.find(' '), command.size());
   const std::string verb = command.substr(0, space);
   const std::string rest(trimmed(std::string_view(command).substr(space)));
   if (verb == "mark" && !rest.empty()) return "ok " + decimal(renderer.addMarker(rest), 6);
   if (verb == "stop") return answerOf(renderer.stopRecord());
-  if (verb == "state") return "ok " + stateOf(renderer.state(), clock.now_s());
+  if (verb == "state") return "ok " + stateOf(renderer.state(), renderer.now_s());
   if (verb == "record") {
     // A command from the network must not choose a path.
     const bool is_plain_name = std::all_of(rest.begin(), rest.end(), [](unsigned char c) {

@@ -20,6 +20,7 @@
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/lod/moment_tree.h"
+#include "render/methods/method.h"
 
 namespace foci {
 namespace {
@@ -31,7 +32,14 @@ constexpr double kStill_D_s = 0.05;  // focus that moves no faster is at rest; c
 // Method auto learns the cost of its quality levels from each render. After so many renders at the
 // same level another one brings nothing new.
 constexpr int kAlike = 2;
+constexpr int kPaused = 5;  // frames in which method auto chooses its quality level
+constexpr auto kPause = std::chrono::milliseconds(4);  // between looks at a recording that pauses
 constexpr std::size_t kMaxBacklog = 8;  // frames that wait for the disk: 50 MB at 1920 x 1080
+
+std::string sceneName(const Study& study) {
+  return study.scene.file ? study.scene.file->filename().string()
+                          : "the scene " + study.scene.builtin;
+}
 
 /// The image with the frame's gaze markers, made where the image is.
 LaterImage marked(const LaterImage& plain, const LiveFrame& frame) {
@@ -56,7 +64,7 @@ std::string methodOfFrame(const Study& study, const FrameRecord& record) {
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
                            std::string command, unsigned threads, std::function<void()> ready,
                            std::optional<SceneFile> scene, std::future<SharedGpu> gpu,
-                           std::function<LiveHead(const Study*)> head)
+                           LiveHeadAt head)
     : study_(study),
       feed_(feed),
       clock_(clock),
@@ -85,7 +93,10 @@ std::shared_ptr<LiveFrame> LiveRenderer::take(double next_s) {
     frame = std::exchange(laid_ready_, nullptr);
     if (frame) next_swap_s_ = next_s;
   }
-  if (frame) changed_.notify_all();
+  if (frame) {
+    feed_.begin();
+    changed_.notify_all();
+  }
   return frame;
 }
 
@@ -114,7 +125,7 @@ std::future<std::string> LiveRenderer::post(std::function<void()> action) {
 
 std::future<std::string> LiveRenderer::change(const std::string& key, const std::string& toml) {
   return post([this, key, toml] {
-    if (head_ && key == "output.view") {
+    if (head_ && !feed_.player() && key == "output.view") {
       throw InputError(key, "does not change in a headset, which shows both eyes");
     }
     changeLive(study_, *session_, key, toml);
@@ -122,7 +133,7 @@ std::future<std::string> LiveRenderer::change(const std::string& key, const std:
     if (const std::string remark = eyeRemark(study_); !remark.empty()) tell(remark);
     // The next frame is the first with the new value. Its time is not before now.
     if (state_.record) {
-      state_.record->add(Change{std::max(clock_.now_s(), last_frame_s_ + kTick_s), key, toml});
+      state_.record->add(Change{std::max(now_s(), last_frame_s_ + kTick_s), key, toml});
     }
   });
 }
@@ -158,10 +169,14 @@ std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& 
       for (const std::string& warning : *warnings) record->addWarning(warning);
     }
     devices_ = std::move(device);
+    if (TracePlayer* const player = feed_.player()) {
+      player->takePoints();
+      record->play(feed_.playback().file, player->point());
+    }
     // A replay of the record knows nothing of what happened before.
     news_.clear();
     feed_.take(news_);
-    session_start_s_ = wholeMicroseconds(std::max(clock_.now_s(), last_frame_s_ + kTick_s));
+    session_start_s_ = wholeMicroseconds(std::max(now_s(), last_frame_s_ + kTick_s));
     if (head_) {
       record->add(beginPath(session_start_s_));
       session_->changeSettings(sessionSettingsOf(study_));
@@ -225,7 +240,7 @@ std::future<LaterImage> LiveRenderer::pixelsOf(std::shared_ptr<const LiveFrame> 
 }
 
 double LiveRenderer::addMarker(const std::string& text) {
-  const double time_s = clock_.now_s();
+  const double time_s = now_s();
   const std::lock_guard lock(mutex_);
   state_.notice = "event marker: " + text + (state_.record ? "" : " (no record is running)");
   if (state_.record) state_.record->addMarker(time_s, text);
@@ -237,6 +252,7 @@ LiveState LiveRenderer::state() const {
   const std::lock_guard lock(mutex_);
   LiveState state = state_;
   state.reception = std::move(reception);
+  if (feed_.player()) state.playing = feed_.player()->state();
   return state;
 }
 
@@ -277,6 +293,11 @@ void LiveRenderer::finish(std::vector<std::filesystem::path>& records,
   failed = failed_records_;
 }
 
+void LiveRenderer::sayOpening(const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  state_.opening = what;
+}
+
 void LiveRenderer::publish() {
   const std::lock_guard lock(mutex_);
   state_.study = study_;
@@ -293,7 +314,9 @@ void LiveRenderer::noteView() {
 void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& scene,
                        std::future<SharedGpu>&& gpu) {
   try {
+    sayOpening("opening " + sceneName(study_));
     cloud_ = loadScene(study_, warnings_, std::move(scene));
+    sayOpening("preparing " + sceneName(study_));
     outline_ = outlineOf(*cloud_);
     noteView();
     const double scene_m = boxWithoutStrays(positionsOf(outlined())).longest();
@@ -303,12 +326,13 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
       state_.methods = methodsFor(*cloud_);
     }
     const SharedGpu window_gpu = gpu.valid() ? gpu.get() : nullptr;
-    session_start_s_ = clock_.now_s();
+    session_start_s_ = now_s();
     if (head_) beginPath(session_start_s_);
     session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
                                          feed_.rate_Hz(), session_start_s_, window_gpu);
     shows_textures_ = window_gpu && session_->renderer().gpu() == window_gpu;
     say("renders on " + session_->deviceOf(study_.render.method));
+    sayOpening("rendering the first frame");
     renderFrames(stop);
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -341,6 +365,14 @@ void LiveRenderer::renderFrames(const std::stop_token& stop) {
   }
 }
 
+/// Whether another frame may differ from the last one. While a recording pauses, none does after
+/// the first few but those that the refiner has rendered.
+bool LiveRenderer::hasNews() const {
+  const bool goes_on = (last_.rendered || paused_frames_ == 0) &&
+                       (paused_frames_ < kPaused || methodInfo(study_.render.method).incremental);
+  return now_s() > last_frame_s_ || goes_on || (refiner_ && refiner_->done() != refined_);
+}
+
 /// Waits until the last frame has been taken and the next one is due. Carries out commands.
 /// @return false to stop
 bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
@@ -362,8 +394,14 @@ bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
       std::swap(commands, commands_);
     }
     reading_.finish(session_->renderer());
+    if (commands.empty() && !hasNews()) {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, stop, kPause, [&] { return !commands_.empty(); });
+      continue;
+    }
     if (commands.empty()) return !stop.stop_requested();
     for (const Command& command : commands) command();
+    paused_frames_ = 0;
     // A record is destroyed once it is written or has failed: its destructor would wait.
     std::erase_if(closing_, [this](const auto& record) {
       if (!record->finished()) return false;
@@ -403,38 +441,57 @@ GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
 
 /// The head's path begins anew: a replay of a record knows no earlier pose.
 HeadRow LiveRenderer::beginPath(double time_s) {
-  const HeadInWorld head = head_(&study_).in_scene;
+  const HeadInWorld head = head_(study_, time_s).in_scene;
+  last_pose_s_ = time_s;
   study_.eye.recorded = EyePath(std::vector<TrackedPose>{
       {.position_m = head.position_m, .world_from_eye = head.world_from_head}});
   return {.time_s = time_s, .head = head};
 }
 
 /// Moves the eye to where the head is when the frame is shown.
-LiveHead LiveRenderer::followHead(double time_s) {
-  LiveHead head = head_(&study_);
+LiveHead LiveRenderer::followHead(double time_s, double now_s) {
+  for (const GazeSample& sample : news_) {
+    if (feed_.player() && sample.head && sample.time_s < time_s) {
+      addPose(sample.time_s, *sample.head);
+    }
+  }
+  // While a recording pauses, frames have later times, but the head rests.
+  LiveHead head = head_(study_, std::min(time_s, now_s));
   head.displays = study_.headsetEyes();
-  const auto& [position_m, world_from_head] = head.in_scene;
-  study_.eye.recorded->add({.time_s = time_s - session_start_s_,
-                            .position_m = position_m,
-                            .world_from_eye = world_from_head});
-  if (state_.record) state_.record->add(HeadRow{.time_s = time_s, .head = head.in_scene});
+  addPose(time_s, head.in_scene);
   return head;
 }
 
-/// Takes the samples that have arrived.
-void LiveRenderer::takeGaze() {
+/// The next pose of the head's path, which the record has too.
+void LiveRenderer::addPose(double time_s, const HeadInWorld& head) {
+  if (time_s <= last_pose_s_) return;
+  last_pose_s_ = time_s;
+  study_.eye.recorded->add({.time_s = time_s - session_start_s_,
+                            .position_m = head.position_m,
+                            .world_from_eye = head.world_from_head});
+  if (state_.record) state_.record->add(HeadRow{.time_s = time_s, .head = head});
+}
+
+/// Takes the samples that have arrived. @return the time up to which they have
+double LiveRenderer::takeGaze() {
   news_.clear();
-  feed_.take(news_);
+  const double now_s = feed_.take(news_);
   // Those before were measured before the record began.
   std::erase_if(news_, [&](const GazeSample& each) { return each.time_s < session_start_s_; });
   for (GazeSample& each : news_) {
     each = asRecorded(each);
     last_sample_s_ = each.time_s;
   }
+  return now_s;
 }
 
 /// Gives them to the eye. A head's pose up to their times is known, as it is in the replay.
 void LiveRenderer::pushGaze() {
+  if (TracePlayer* const player = feed_.player()) {
+    for (const PlayPoint& point : player->takePoints()) {
+      if (state_.record) state_.record->add(point);
+    }
+  }
   for (const GazeSample& sample : news_) {
     session_->push(sample);
     if (!state_.record) continue;
@@ -468,7 +525,7 @@ bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& recor
     refiner_->want({});
   } else if (record.eye.state != GazeState::saccade) {  // the same requests are wanted after it
     const double moved_D = std::abs(record.eye.focus_D - last_.eye.focus_D);
-    const bool rests = moved_D <= kStill_D_s * (record.time_s - last_.time_s);
+    const bool rests = paused_frames_ > 0 || moved_D <= kStill_D_s * (record.time_s - last_.time_s);
     const RenderRequest at_rest = session_->requestAtRest(last_method_, record);
     std::vector<RenderRequest> wanted;
     if ((rests || request == at_rest) && !session_->hasFullQuality(request))
@@ -476,30 +533,34 @@ bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& recor
     if (request != at_rest) wanted.push_back(at_rest);
     refiner_->want(std::move(wanted));
   }
+  const std::uint64_t refined = refiner_->done();
+  const bool news = refined != std::exchange(refined_, refined);
   if (session_->hasFullQuality(request)) return same;
   if (auto rendered = refiner_->take(request)) {
     session_->adopt(request, std::move(*rendered));
     return false;
   }
-  const std::uint64_t refined = refiner_->done();
-  const bool news = refined != std::exchange(refined_, refined);
   return same && !news && alike_ >= kAlike;
 }
 
 std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   auto frame = std::make_shared<LiveFrame>();
   FrameTiming& timing = frame->timing;
-  takeGaze();
+  const double now_s = takeGaze();
   timing.render_start_s = clock_.now_s();
-  const double time_s = std::max({timing.render_start_s, last_sample_s_.value_or(0.0),
-                                  wholeMicroseconds(last_frame_s_ + kTick_s)});
-  if (head_) frame->head = followHead(time_s);
+  const double time_s =
+      std::max({now_s, last_sample_s_.value_or(0.0), wholeMicroseconds(last_frame_s_ + kTick_s)});
+  if (head_) frame->head = followHead(time_s, now_s);
   pushGaze();
   frame->record = session_->look(time_s);
   const GazeState state = frame->record.eye.state;
   feed_.look(state != GazeState::lost && state != GazeState::blink);
-  if (frame->record.eye.sample) timing.sample_s = frame->record.eye.sample->time_s;
-  timing.state_s = frame->record.eye.state_time_s;
+  const auto onClock_s = [&](double then_s) {  // the run's
+    const TracePlayer* player = feed_.player();
+    return player ? timing.render_start_s - (now_s - then_s) / player->state().speed : then_s;
+  };
+  if (frame->record.eye.sample) timing.sample_s = onClock_s(frame->record.eye.sample->time_s);
+  timing.state_s = onClock_s(frame->record.eye.state_time_s);
   last_method_ = methodOfFrame(study_, frame->record);
   const RenderRequest request = session_->requestOf(last_method_, frame->record);
   const bool again = refine(request, frame->record);
@@ -509,6 +570,7 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   fill(*frame, rendered);
   last_request_ = request;
   last_ = frame->record;
+  paused_frames_ = time_s > now_s ? paused_frames_ + 1 : 0;
   timing.in_full = frame->record.stats.full_quality && last_method_ == study_.render.method;
   last_frame_s_ = time_s;
   frame->record_file = state_.record;

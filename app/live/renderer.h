@@ -32,15 +32,21 @@ std::string methodOfFrame(const Study& study, const FrameRecord& record);
 
 /// What the window shows besides the frame.
 struct LiveState {
-  Study study;                                 ///< with the changes so far
-  std::string notice;                          ///< the latest; "" at first
-  FrameRecord last;                            ///< of the newest frame
-  std::shared_ptr<LiveRecord> record;          ///< in progress; null: none
-  double scene_m = 0.0;                        ///< longest side of the scene; 0 until it is loaded
-  std::vector<std::string_view> methods = {};  ///< that render the scene; none until it is loaded
-  bool in_view = true;                         ///< whether a resting eye sees any of the scene
-  GazeReception reception = {};                ///< of the gaze
+  Study study;                                  ///< with the changes so far
+  std::string notice;                           ///< the latest; "" at first
+  FrameRecord last;                             ///< of the newest frame
+  std::shared_ptr<LiveRecord> record;           ///< in progress; null: none
+  double scene_m = 0.0;                         ///< longest side of the scene; 0 until it is loaded
+  std::vector<std::string_view> methods = {};   ///< that render the scene; none until it is loaded
+  bool in_view = true;                          ///< whether a resting eye sees any of the scene
+  GazeReception reception = {};                 ///< of the gaze
+  std::string opening = "opening the scene";    ///< what is done before the first frame
+  std::optional<TracePlayer::State> playing{};  ///< absent: the source is no recording
 };
+
+/// Where the head is in the frame at a time of the frames' clock.
+/// @param study  which may have moved the observer
+using LiveHeadAt = std::function<LiveHead(const Study& study, double time_s)>;
 
 class LiveRenderer {
  public:
@@ -50,11 +56,11 @@ class LiveRenderer {
   /// @param gpu      of the window, which shows textures; null: the window shows images. The thread
   ///                 waits for it once the scene is loaded
   /// `clock` and `feed` must outlive the renderer.
-  /// @param head     of the next frame in a headset, which moves the eye from where the study
-  ///                 places it; none: the study moves it
+  /// @param head     of the frame at a time, in a headset or of a recording, which moves the eye;
+  ///                 none: the study moves it
   LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock, std::string command,
                unsigned threads, std::function<void()> ready, std::optional<SceneFile> scene = {},
-               std::future<SharedGpu> gpu = {}, std::function<LiveHead(const Study*)> head = {});
+               std::future<SharedGpu> gpu = {}, LiveHeadAt head = {});
   ~LiveRenderer();
   LiveRenderer(const LiveRenderer&) = delete;
   LiveRenderer& operator=(const LiveRenderer&) = delete;
@@ -78,6 +84,8 @@ class LiveRenderer {
   double addMarker(const std::string& text);
 
   LiveState state() const;
+  /// On the clock of samples, frames and markers (`GazeFeed::now_s`).
+  double now_s() const { return feed_.now_s(); }
 
   /// An image of the frame, also where it only lies on the GPU.
   std::future<LaterImage> pixelsOf(std::shared_ptr<const LiveFrame> frame);
@@ -98,16 +106,19 @@ class LiveRenderer {
            std::future<SharedGpu>&& gpu);
   void renderFrames(const std::stop_token& stop);
   bool waitForRoom(const std::stop_token& stop);
-  void takeGaze();
+  double takeGaze();
   void pushGaze();
+  bool hasNews() const;
   HeadRow beginPath(double time_s);
-  LiveHead followHead(double time_s);
+  LiveHead followHead(double time_s, double now_s);
+  void addPose(double time_s, const HeadInWorld& head);
   GazeReception receptionSince(double start_s) const;
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> renderFrame();
   void fill(LiveFrame& frame, RenderedFrame& rendered);
   bool refine(const RenderRequest& request, const FrameRecord& record);
   void publish();
+  void sayOpening(const std::string& what);
   void noteView();
   const SurfelCloud& outlined() const { return outline_.empty() ? *cloud_ : outline_; }
   void closeRecord();
@@ -120,7 +131,7 @@ class LiveRenderer {
   std::string command_;
   unsigned threads_;
   std::function<void()> ready_;
-  std::function<LiveHead(const Study*)> head_;
+  LiveHeadAt head_;
 
   // Used by the thread alone.
   Warnings warnings_;
@@ -130,6 +141,7 @@ class LiveRenderer {
   std::unique_ptr<Refiner> refiner_;  // under a frame-time budget
   RenderRequest last_request_;
   FrameRecord last_;
+  int paused_frames_ = 0;      // since the player's clock stood still, or the last command
   int alike_ = 0;              // renders of the last request at the same quality level
   std::uint64_t refined_ = 0;  // steps of the refiner at the last frame
   bool shows_textures_ = false;
@@ -140,7 +152,8 @@ class LiveRenderer {
   FrameReading reading_;
   std::vector<GazeSample> news_;  // as recorded
   std::optional<double> last_sample_s_;
-  double last_frame_s_ = 0.0, session_start_s_ = 0.0;
+  double last_frame_s_ = -1.0, session_start_s_ = 0.0;
+  double last_pose_s_ = 0.0;              // of the head's path
   std::size_t dropped_before_ = 0;        // the record began
   std::map<std::string, double> cost_s_;  // of the last frame of each method
   std::string device_remark_;             // shown last

@@ -1,10 +1,12 @@
 #include "app/live/sources.h"
 
-#include <algorithm>
 #include <utility>
 
+#include "app/record/run_events.h"
+#include "app/session/session.h"
 #include "app/study/gaze_calibration.h"
 #include "app/study/inputs.h"
+#include "app/study/recorded_head.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/webcam/webcam_calibration.h"
@@ -102,6 +104,62 @@ void openSocket(const std::string& name, NamedSource& named) {
   named.source = std::move(pushed);
 }
 
+/// From here on the samples have the place of the eye in the scene as their head, and their points
+/// are on the study's screen, which the head takes with it.
+/// @return the head at a time of the recording's clock; empty: there is none
+std::function<HeadInWorld(double recording_s)> followRecordedHead(const Study& study,
+                                                                  GazeTrace& trace,
+                                                                  NamedSource& named) {
+  Study moved = withRecordedHead(study, trace);
+  if (!moved.eye.recorded) return {};
+  moved.eye.position_m.reset();
+  moved.eye.look_at_m.reset();
+  moved.eye.path.clear();
+  named.study = std::move(moved);
+  for (const std::string& remark : headRemarks(*named.study, trace)) {
+    named.warnings.add(study.gaze.source, remark);
+  }
+  const double first_s = trace.samples.front().time_s;
+  const auto headAt = [path = *named.study->eye.recorded, first_s](double recording_s) {
+    const glm::dmat4 pose = glm::inverse(glm::dmat4(path.eyeFromWorldAt(recording_s - first_s)));
+    return HeadInWorld{.position_m = glm::dvec3(pose[3]),
+                       .world_from_head = glm::normalize(glm::quat_cast(glm::dmat3(pose)))};
+  };
+  const Screen from = std::exchange(named.screen, named.study->screenInForce());
+  for (GazeSample& sample : trace.samples) {
+    if (sample.head) sample.head = headAt(sample.time_s);
+    if (sample.point_px) sample.point_px = onOtherScreen_px(from, named.screen, *sample.point_px);
+    for (EyeSample& eye : sample.eyes) {
+      if (eye.point_px) eye.point_px = onOtherScreen_px(from, named.screen, *eye.point_px);
+    }
+  }
+  trace.screen = named.screen;
+  return headAt;
+}
+
+void openRecording(const std::string& file, const Study& study, NamedSource& named) {
+  if (file.empty()) throw InputError("--source trace:", "expected a file's name");
+  Study other = study;
+  other.gaze.source = file;
+  GazeTrace trace = loadGaze(other, named.warnings);
+  sayAssumptions(other, trace);
+  named.screen = *trace.screen;
+  const auto headAt = followRecordedHead(other, trace, named);
+  named.playback.file = file;
+  named.playback.markers = trace.markers;
+  named.playback.events = eventsOfRun(named.study.value_or(other), trace,
+                                      trace.samples.front().time_s, trace.samples.back().time_s)
+                              .events;
+  auto player = std::make_unique<TracePlayer>(std::move(trace));
+  named.player = player.get();
+  if (headAt) {
+    named.playback.head = [headAt, played = named.player](double time_s) {
+      return headAt(played->recordingAt_s(time_s));
+    };
+  }
+  named.source = std::move(player);
+}
+
 }  // namespace
 
 NamedSource openLiveSource(const std::string& name, const Study& study) {
@@ -111,19 +169,7 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
     named.mouse = mouse.get();
     named.source = std::move(mouse);
   } else if (name.starts_with("trace:")) {
-    Study other = study;
-    other.gaze.source = name.substr(6);
-    if (other.gaze.source.empty()) throw InputError("--source trace:", "expected a file's name");
-    GazeTrace trace = loadGaze(other, named.warnings);
-    const bool moves_head = std::any_of(trace.samples.begin(), trace.samples.end(),
-                                        [](const GazeSample& sample) { return sample.head; });
-    if (moves_head) {
-      throw InputError("--source " + shown(name),
-                       "records a head, which moves the eye in foci replay only");
-    }
-    sayAssumptions(other, trace);
-    named.screen = *trace.screen;
-    named.source = std::make_unique<TraceSource>(std::move(trace));
+    openRecording(name.substr(6), study, named);
   } else if (name.starts_with("pupil:")) {
     named.source = openPupil(name, named.screen);
     mapSource(study, named);

@@ -4,23 +4,39 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "app/platform/warnings.h"
 #include "app/study/study.h"
+#include "gaze/events/gaze_events.h"
 #include "gaze/live/live_source.h"
+#include "gaze/live/trace_player.h"
 
 namespace foci {
+
+/// A recording that plays.
+struct Playback {
+  std::string file;               ///< as the user named it
+  std::vector<GazeEvent> events;  ///< on the recording's clock
+  std::vector<TraceMarker> markers;
+  /// The head in the scene at a time of the player's clock; empty: the study places the eye.
+  std::function<HeadInWorld(double time_s)> head = {};
+};
 
 struct NamedSource {
   std::unique_ptr<LiveSource> source;
   MouseSource* mouse = nullptr;    ///< set if the source is the mouse, which the window moves
   PushedSource* pushed = nullptr;  ///< set if the source is the socket, which brings its samples
+  TracePlayer* player = nullptr;   ///< set if the source is a recording
   Screen screen;                   ///< that its samples are on
   Warnings warnings = {};          ///< of a recording
   /// Tells a calibrated webcam that the observer looks at this point now. Returns false if it sees
   /// no eyes. Other sources have none.
   std::function<bool(const glm::dvec2& point_px)> lookedAt = {};
+  Playback playback = {};
+  std::optional<Study> study = {};  ///< with the recording's head and display, if it has a head
 };
 
 /// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; lsl[:NAME]; socket[:RATE];

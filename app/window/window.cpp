@@ -135,11 +135,14 @@ Window::Window(const std::string& title, std::optional<glm::ivec2> size_px, int 
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
-  if (!std::filesystem::exists(kFont) || !io.Fonts->AddFontFromFileTTF(kFont, kFont_px)) {
+  float scale = 1.0f;  // of the screen, as its user has set it
+  glfwGetWindowContentScale(window_, &scale, nullptr);
+  if (!std::filesystem::exists(kFont) || !io.Fonts->AddFontFromFileTTF(kFont, scale * kFont_px)) {
     io.Fonts->AddFontDefault();
-    io.FontGlobalScale = 1.5f;
+    io.FontGlobalScale = 1.5f * scale;
   }
   ImGui::StyleColorsLight();
+  ImGui::GetStyle().ScaleAllSizes(scale);
   listen();
   ImGui_ImplGlfw_InitForOpenGL(window_, true);  // ImGui's listeners call ours too
   ImGui_ImplOpenGL3_Init("#version 330");
@@ -174,6 +177,30 @@ void Window::listen() {
   glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned typed) {
     static_cast<Window*>(glfwGetWindowUserPointer(window))->typed_.push_back(typed);
   });
+  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double up) {
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->wheel_ += up;
+  });
+  glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+    auto& dropped = static_cast<Window*>(glfwGetWindowUserPointer(window))->dropped_;
+    dropped.insert(dropped.end(), paths, paths + count);
+  });
+}
+
+double Window::takeWheel() { return std::exchange(wheel_, 0.0); }
+
+std::vector<std::filesystem::path> Window::takeDropped() { return std::exchange(dropped_, {}); }
+
+bool Window::isDown(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
+
+void Window::toggleFullScreen() {
+  glm::ivec4& px = windowed_px_;
+  if (glfwGetWindowMonitor(window_)) {
+    glfwSetWindowMonitor(window_, nullptr, px[0], px[1], px[2], px[3], GLFW_DONT_CARE);
+  } else if (const GLFWvidmode* mode = monitor_ ? glfwGetVideoMode(monitor_) : nullptr) {
+    glfwGetWindowPos(window_, &px[0], &px[1]);
+    glfwGetWindowSize(window_, &px[2], &px[3]);
+    glfwSetWindowMonitor(window_, monitor_, 0, 0, mode->width, mode->height, mode->refreshRate);
+  }
 }
 
 std::vector<int> Window::takeKeys() { return std::exchange(keys_, {}); }
@@ -187,6 +214,10 @@ bool Window::leftButton() const {
 
 bool Window::rightButton() const {
   return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
+}
+
+bool Window::middleButton() const {
+  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_MIDDLE) == GLFW_PRESS;
 }
 
 bool Window::wait(double seconds) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
@@ -52,9 +53,17 @@ class Window {
   static bool isPressed(int key, bool repeat = false);
   bool leftButton() const;   ///< true while the left mouse button is down
   bool rightButton() const;  ///< true while the right mouse button is down
+  bool middleButton() const;
+  bool isDown(int key) const;  ///< a number of GLFW
+  /// Notches of the wheel forwards since the last call.
+  double takeWheel();
+  /// Files dropped on the window since the last call.
+  std::vector<std::filesystem::path> takeDropped();
 
   glm::dvec2 size_px() const;
   void resize(const glm::ivec2& size_px);
+  /// Between the whole monitor and a window.
+  void toggleFullScreen();
   glm::ivec2 frameBufferSize_px() const;
   glm::dvec2 cursor_px() const;
   bool hovered() const;  ///< true while the mouse is inside
@@ -73,6 +82,9 @@ class Window {
   std::vector<GLFWwindow*> hidden_;  // of the shared contexts
   std::vector<int> keys_;
   std::vector<unsigned> typed_;
+  std::vector<std::filesystem::path> dropped_;
+  double wheel_ = 0.0;
+  glm::ivec4 windowed_px_{60, 60, 1280, 720};  // place and size before the full screen
   GLFWmonitor* monitor_ = nullptr;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

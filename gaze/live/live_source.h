@@ -1,5 +1,5 @@
-// The interface of all sources of live gaze, and those without a tracker: the mouse, a recording
-// played in real time, and samples that another program pushes with its tracker's times.
+// The interface of all sources of live gaze, and those without a tracker: the mouse, and samples
+// that another program pushes with its tracker's times.
 #pragma once
 
 #include <cstddef>
@@ -58,23 +58,6 @@ class MouseSource : public LiveSource {
   double rate_Hz_;
   std::optional<glm::dvec2> point_px_{};
   std::optional<double> last_s_{};
-};
-
-/// Plays a recording in real time. The first poll gives the first sample.
-class TraceSource : public LiveSource {
- public:
-  /// @param trace  its samples and rate must be known (asserted)
-  explicit TraceSource(GazeTrace trace);
-
-  void poll(double now_s, std::vector<GazeSample>& samples) override;
-  double rate_Hz() const override { return trace_.rate_Hz; }
-  std::string status() const override { return trace_.format + (ended() ? ", ended" : ""); }
-  bool ended() const { return next_ == trace_.samples.size(); }
-
- private:
-  GazeTrace trace_;
-  std::size_t next_ = 0;
-  std::optional<double> offset_s_{};  // from the recording's clock to the caller's
 };
 
 /// The samples `TIME X Y [PUPIL]` of a text with `;` between them: seconds on any clock, px on the

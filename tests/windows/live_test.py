@@ -144,18 +144,42 @@ def look_near_and_far(observer, foci, out):
                [row[:columns] for row in table(f"{replay}/{name}")], name
 
 
-def lose_the_tracker(observer, foci, out):
-    # A tracker that stops after one second.
-    with open(out + "/dies.tsv", "w") as file:
+def scrub_a_recording(observer, foci, out):
+    """A recording begins with the first frame, and has the keys of a video player. Other keys move the eye."""
+    with open(out + "/two.tsv", "w") as file:  # two fixations of three seconds
         file.write("time_s\tx_px\ty_px\n")
-        for i in range(100):
-            file.write(f"{0.01 * i:.2f}\t{NEAR[0] * 1920:.1f}\t{NEAR[1] * 1080:.1f}\n")
-    program, experiment = start(observer, foci, out + "/plane.toml", "--source", "trace:" + out + "/dies.tsv")
-    experiment.until(lambda s: s["gaze_state"] == "lost" and s["now_s"] > 2 and s["method"], "lost")
-    later = experiment.rendered(0.5)
-    print(later)
-    assert later["gaze_state"] == "lost" and later["gaze_px"] is None
-    observer.screenshot(out + "/live-lost.png")
+        for i in range(600):
+            place = NEAR if i < 300 else FAR
+            noise = math.sin(37 * i)
+            file.write(f"{50 + 0.01 * i:.2f}\t{place[0] * 1920 + noise:.3f}\t{place[1] * 1080 - noise:.3f}\n")
+    program, experiment = start(observer, foci, out + "/plane.toml", "--source", "trace:" + out + "/two.tsv")
+    begun = experiment.until(lambda s: s["speed"] == 1, "playing")
+    assert begun["recording_s"] < 52, begun
+    at = lambda second: lambda s: abs(s["recording_s"] - second) < 0.05
+    observer.press("space")
+    experiment.until(lambda s: s["speed"] == 0, "paused")
+    observer.press("l", 2)
+    looks = lambda place: lambda s: s["gaze_px"] and abs(s["gaze_px"][0] / 1920 - place[0]) < 0.02
+    experiment.until(lambda s: at(54.5)(s) and looks(FAR)(s), "at the second fixation")
+    observer.screenshot(out + "/live-timeline.png")
+    observer.press("j")
+    experiment.until(lambda s: at(51.5)(s) and looks(NEAR)(s), "at the first fixation")
+    observer.press("Right")
+    experiment.until(at(55.99), "at the end")
+    observer.press("Home")
+    experiment.until(at(50), "at the beginning")
+    observer.press("bracketright")
+    observer.press("space")
+    experiment.until(lambda s: s["speed"] == 2, "playing twice as fast")
+    observer.press("w", 3)
+    observer.press("F2")
+    begin = time.time()
+    while not (saved := glob.glob("foci-*.toml")) and time.time() < begin + 30:
+        time.sleep(0.05)
+    with open(saved[0], "rb") as file:
+        eye = tomllib.load(file)["eye"]
+    os.remove(saved[0])
+    assert eye["position_m"][2] < 1.34, eye  # it began at 1.35
     leave(program, experiment)
 
 
@@ -334,7 +358,7 @@ def main():
             observer.close()
 
     # Two observers play at the same time, each before a display of their own.
-    others = [(lose_the_tracker,), (push_gaze,), (place_an_object,), (kill_the_program,), (render_on_the_gpu,)]
+    others = [(scrub_a_recording,), (push_gaze,), (place_an_object,), (kill_the_program,), (render_on_the_gpu,)]
     if len(sys.argv) > 4:
         others.append((lose_a_pupil_core, sys.argv[4]))
     with concurrent.futures.ThreadPoolExecutor() as pool:

@@ -78,7 +78,7 @@ class LiveHeadset : public testing::Test {
     GazeFeed feed(display.gaze(here, here.screenInForce()), clock);
     LiveRenderer renderer(
         here, feed, clock, "foci live", 1, [] {}, {}, {},
-        [&](const Study* moved) { return display.headNext(moved); });
+        [&](const Study& now, double) { return display.headNext(&now); });
     std::future<std::string> begun;
     if (!record.empty()) begun = renderer.startRecord(record);
     display.start(renderer);

@@ -262,7 +262,7 @@ TEST_F(Live, SaysWhatHappensToTheGaze) {
       }
       watch(renderer, clock, 0.005);
     }
-    state = answerTo("state", renderer, clock);
+    state = answerTo("state", renderer);
     EXPECT_EQ(renderer.stopRecord().get(), "");
   }
   const std::string log = testing::internal::GetCapturedStderr();
@@ -321,19 +321,18 @@ TEST_F(Live, RemoteControlNamesFilesInTheStudysFolderAlone) {
     for (const std::string& name :
          std::vector<std::string>{"/etc/passwd", "../secret.csv", "link.csv", ".", "none.csv",
                                   (scratch.path() / "secret.csv").string()}) {
-      const std::string answer =
-          answerTo("set observer.wavefront \"" + name + "\"", renderer, clock);
+      const std::string answer = answerTo("set observer.wavefront \"" + name + "\"", renderer);
       EXPECT_NE(answer.find("remote.folder"), std::string::npos) << answer;
       EXPECT_EQ(answer.find("root:"), std::string::npos) << answer;
     }
-    const std::string answer = answerTo("set observer.wavefront \"eye.csv\"", renderer, clock);
+    const std::string answer = answerTo("set observer.wavefront \"eye.csv\"", renderer);
     EXPECT_EQ(answer.find("remote.folder") == std::string::npos, allowed) << answer;
-    EXPECT_EQ(answerTo("set observer.wavefront null", renderer, clock), "ok");
+    EXPECT_EQ(answerTo("set observer.wavefront null", renderer), "ok");
     // No other key opens a file.
     for (const ResolvedKey& key : resolvedKeys(study)) {
       if (!changesLive(key.name) || key.name == "observer.wavefront") continue;
       const std::string other =
-          answerTo("set " + std::string(key.name) + " \"/etc/passwd\"", renderer, clock);
+          answerTo("set " + std::string(key.name) + " \"/etc/passwd\"", renderer);
       EXPECT_TRUE(other.starts_with("error")) << key.name << ": " << other;
       EXPECT_EQ(other.find("root:"), std::string::npos) << other;
     }
@@ -556,17 +555,16 @@ TEST_F(Live, RefusesAChangeAndGoesOn) {
   const LiveClock clock;
   GazeFeed feed(jumping(100.0), clock);
   LiveRenderer renderer(study, feed, clock, "", 1, [] {});
-  EXPECT_NE(answerTo("set output.size_px [8, 8]", renderer, clock).find("does not change"),
+  EXPECT_NE(answerTo("set output.size_px [8, 8]", renderer).find("does not change"),
             std::string::npos);
-  EXPECT_EQ(answerTo("set observer.pupl 3", renderer, clock),
+  EXPECT_EQ(answerTo("set observer.pupl 3", renderer),
             "error change: unknown key observer.pupl: did you mean observer.pupil?");
-  EXPECT_NE(answerTo("set observer.pupil_mm 99", renderer, clock).find("0.5 to 12"),
-            std::string::npos);
-  EXPECT_EQ(answerTo("set observer.pupil_mm 6", renderer, clock), "ok");
-  EXPECT_TRUE(answerTo("stop", renderer, clock).starts_with("error"));
-  EXPECT_TRUE(answerTo("record ../elsewhere", renderer, clock).starts_with("error"));
-  EXPECT_TRUE(answerTo("dance", renderer, clock).starts_with("error"));
-  EXPECT_TRUE(answerTo("mark a b", renderer, clock).starts_with("ok "));
+  EXPECT_NE(answerTo("set observer.pupil_mm 99", renderer).find("0.5 to 12"), std::string::npos);
+  EXPECT_EQ(answerTo("set observer.pupil_mm 6", renderer), "ok");
+  EXPECT_TRUE(answerTo("stop", renderer).starts_with("error"));
+  EXPECT_TRUE(answerTo("record ../elsewhere", renderer).starts_with("error"));
+  EXPECT_TRUE(answerTo("dance", renderer).starts_with("error"));
+  EXPECT_TRUE(answerTo("mark a b", renderer).starts_with("ok "));
   EXPECT_EQ(watch(renderer, clock, 0.5).pupil_mm, 6.0);
 }
 

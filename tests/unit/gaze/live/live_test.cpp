@@ -295,21 +295,6 @@ TEST(PupilSource, RefusesMalformedAddressesAndNeverWaits) {
   EXPECT_TRUE(samples.empty());
 }
 
-TEST(TraceSource, PlaysInRealTimeOnTheCallersClock) {
-  GazeTrace trace{{.format = "TSV"}, 100.0};
-  for (int i = 0; i < 100; ++i) trace.samples.push_back({.time_s = 50.0 + 0.01 * i});
-  TraceSource source(trace);
-  std::vector<GazeSample> samples;
-  source.poll(7.0, samples);
-  ASSERT_EQ(samples.size(), 1u);
-  EXPECT_NEAR(samples[0].time_s, 7.0, kRounding);
-  source.poll(7.255, samples);
-  EXPECT_EQ(samples.size(), 26u);
-  source.poll(99.0, samples);
-  EXPECT_EQ(samples.size(), 100u);
-  EXPECT_TRUE(source.ended());
-}
-
 TEST(MouseSource, GivesOneSampleForEachNewTime) {
   MouseSource source;
   std::vector<GazeSample> samples;
