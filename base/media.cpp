@@ -3,20 +3,36 @@
 #include "base/shared_library.h"
 
 namespace foci {
+namespace {
 
-const Media* media() {
-  static const Media* const opened = []() -> const Media* {
-    void* const library = openLibrary("libfoci_media.so");
-    return library ? static_cast<const Media*>(symbolIn(library, "foci_media")) : nullptr;
+struct Opened {
+  const Media* media = nullptr;
+  std::string problem{};
+};
+
+const Opened& opened() {
+  static const Opened found = [] {
+    Opened result;
+    for (const char* file : {"libfoci_media.so", FOCI_MEDIA_DIR "/libfoci_media.so"}) {
+      if (void* const library = openLibrary(file)) {
+        result.media = static_cast<const Media*>(symbolIn(library, "foci_media_1"));
+        if (result.media) break;
+      }
+      if (result.problem.empty()) result.problem = whyNotOpened();
+    }
+    return result;
   }();
-  return opened;
+  return found;
 }
+
+}  // namespace
+
+const Media* media() { return opened().media; }
 
 std::string withoutMedia() {
   return media()
              ? ""
-             : "; this foci has no libfoci_media, which reads cameras, videos and EXR: build it "
-               "with FOCI_MEDIA";
+             : "; the library that reads cameras, videos and EXR is missing: " + opened().problem;
 }
 
 }  // namespace foci

@@ -45,6 +45,7 @@ class VideoEncoder {
   virtual void close() = 0;
 };
 
+/// A change of it needs another number in the symbol `foci_media_1`.
 struct Media {
   std::unique_ptr<VideoReader> (*newReader)();
   std::unique_ptr<VideoEncoder> (*newEncoder)();
@@ -58,10 +59,10 @@ struct Media {
   std::optional<DecodedImage> (*decodeImage)(std::span<const unsigned char> bytes);
 };
 
-/// Null where foci was installed without the library.
+/// Null where the library cannot be opened.
 const Media* media();
 
-/// What a message adds then.
+/// What a message adds then: why not.
 std::string withoutMedia();
 
 }  // namespace foci

@@ -125,8 +125,11 @@ void chartAndReport(const ChartOptions& options, const Plan& plan, const std::st
   for (const char* extension : {".csv", ".html", ".png"})
     outputs.push_back(out / (name + extension));
   for (const auto& file : importedFiles(imported, out)) outputs.push_back(file);
-  const auto result =
-      chart(plan, imported, out, OutputGuard(outputs, scanFiles(options.scan), options.overwrite));
+  auto inputs = scanFiles(options.scan);
+  for (const ImportedPoint& one : imported) {
+    inputs.insert(inputs.end(), one.read.begin(), one.read.end());
+  }
+  const auto result = chart(plan, imported, out, OutputGuard(outputs, inputs, options.overwrite));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json) {
@@ -143,7 +146,7 @@ std::string sceneOptions(const ChartOptions& options) {
   if (options.choice.size_px) text += " --size " + std::to_string(*options.choice.size_px);
   for (const std::string& scene : options.choice.scenes) text += " --scene " + scene;
   if (options.choice.scan) {
-    text += " --scan " + shellWord(options.scan.scan);
+    text += " --scan " + shellWord(std::filesystem::absolute(options.scan.scan).string());
     for (const auto& [name, place] : {std::pair(" --eye ", &options.scan.eye),
                                       {" --look-at ", &options.scan.look_at},
                                       {" --up ", &options.scan.up}}) {

@@ -6,6 +6,7 @@
 #include <deque>
 #include <fstream>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -145,7 +146,8 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& si
   {
     // libx264 takes as many threads as the thread that opens it has cores, and writes their number
     // into the file. OpenCV passes it no other number.
-    const OneCore one_core;
+    std::optional<OneCore> one_core;
+    if (media()) one_core.emplace();  // the program ffmpeg would keep that core
     if (!worker_->encoder->open(worker_->file, size_px.x, size_px.y, fps)) {
       throw std::runtime_error(whyNotOpened(file));
     }

@@ -83,8 +83,8 @@ std::optional<DecodedImage> decode(std::span<const unsigned char> bytes) {
 }  // namespace foci
 
 extern "C" {
-extern const foci::Media foci_media;
-const foci::Media foci_media{
+extern const foci::Media foci_media_1;
+const foci::Media foci_media_1{
     .newReader = []() -> std::unique_ptr<foci::VideoReader> {
       return std::make_unique<foci::OpenCvReader>();
     },

@@ -64,6 +64,18 @@ class Peers:
             cv2.imwrite(os.path.join(self.folder, name, "game_blur.exr"), image)
             self.add("game-blur", f"OpenCV {cv2.__version__}", case, ms, f"{name}/game_blur.exr", f"{scene}/sharp.exr")
 
+    def write(self):
+        """Puts the images into times.json, beside those of other renderers."""
+        name = os.path.join(self.folder, "times.json")
+        ours = {(image["name"], image["case"]) for image in self.images}
+        others = []
+        if os.path.exists(name):
+            with open(name, encoding="utf-8") as file:
+                others = [one for one in json.load(file) if (one["name"], one["case"]) not in ours]
+        with open(name + ".part", "w", encoding="utf-8") as file:
+            json.dump(others + self.images, file, indent=1)
+        os.replace(name + ".part", name)
+
     def cycles(self, samples):
         blender = shutil.which("blender")
         if blender is None:
@@ -73,7 +85,7 @@ class Peers:
         version = version.splitlines()[0]
 
         def rendered(case_name, image, samples, *options):
-            out = subprocess.run([blender, "-b", "--factory-startup", "-P", os.path.join(HERE, "cycles.py"), "--",
+            out = subprocess.run([blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", os.path.join(HERE, "cycles.py"), "--",
                                   os.path.join(self.folder, case_name, "case.json"),
                                   os.path.abspath(os.path.join(self.folder, image)), str(samples), *options],
                                  check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -96,10 +108,11 @@ def main():
     parser.add_argument("--samples", type=int, nargs="+", default=[16, 64, 256], help="of Cycles, a pixel")
     args = parser.parse_args()
     peers = Peers(args.cases)
-    peers.game_blur()
-    peers.cycles(args.samples)
-    with open(os.path.join(args.cases, "times.json"), "w", encoding="utf-8") as file:
-        json.dump(peers.images, file, indent=1)
+    try:
+        peers.game_blur()
+        peers.cycles(args.samples)
+    finally:
+        peers.write()
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ std::string textRow(std::initializer_list<double> values) {
 
 }  // namespace
 
-std::string nerfTransforms(const View& view, const std::string& image, const std::string& scene) {
+std::string nerfTransforms(const View& view, const std::string& image, const std::string& points) {
   const glm::dvec2 size_px(view.size_px), focal_px(view.focal_px);
   const glm::dmat4 world_from_camera = glm::inverse(glm::dmat4(view.eye_from_world));
   auto rows = nlohmann::ordered_json::array();
@@ -30,18 +30,17 @@ std::string nerfTransforms(const View& view, const std::string& image, const std
     rows.push_back({world_from_camera[0][i], world_from_camera[1][i], world_from_camera[2][i],
                     world_from_camera[3][i]});
   }
-  const nlohmann::ordered_json json = {
-      {"camera_model", "PINHOLE"},
-      {"w", view.size_px.x},
-      {"h", view.size_px.y},
-      {"fl_x", focal_px.x},
-      {"fl_y", focal_px.y},
-      {"cx", view.principal_px.x},
-      {"cy", view.principal_px.y},
-      {"camera_angle_x", 2.0 * std::atan(0.5 * size_px.x / focal_px.x)},
-      {"camera_angle_y", 2.0 * std::atan(0.5 * size_px.y / focal_px.y)},
-      {"ply_file_path", scene},
-      {"frames", {{{"file_path", image}, {"transform_matrix", rows}}}}};
+  nlohmann::ordered_json json = {{"camera_model", "PINHOLE"},
+                                 {"w", view.size_px.x},
+                                 {"h", view.size_px.y},
+                                 {"fl_x", focal_px.x},
+                                 {"fl_y", focal_px.y},
+                                 {"cx", view.principal_px.x},
+                                 {"cy", view.principal_px.y},
+                                 {"camera_angle_x", 2.0 * std::atan(0.5 * size_px.x / focal_px.x)},
+                                 {"camera_angle_y", 2.0 * std::atan(0.5 * size_px.y / focal_px.y)},
+                                 {"frames", {{{"file_path", image}, {"transform_matrix", rows}}}}};
+  if (!points.empty()) json["ply_file_path"] = points;
   return json.dump(1) + "\n";
 }
 

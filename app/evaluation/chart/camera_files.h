@@ -10,8 +10,8 @@ namespace foci {
 
 /// The `transforms.json` of NeRF and Gaussian tools. `transform_matrix` is world from camera, with
 /// the axes of OpenGL: x right, y up, the camera looks along -z.
-/// @param image, scene  file names beside it
-std::string nerfTransforms(const View& view, const std::string& image, const std::string& scene);
+/// @param image, points  file names beside it; `points` may be empty
+std::string nerfTransforms(const View& view, const std::string& image, const std::string& points);
 
 /// A COLMAP model as text. Its camera has x right, y down and looks along +z.
 struct ColmapModel {

@@ -96,7 +96,8 @@ class SceneExport {
       scene_files_.push_back("../scene.glb");
       write("scene.glb", [&](const fs::path& file) { writeGlb(file, *seen_.cloud.mesh); });
     }
-    write("transforms.json", nerfTransforms(seen_.view, "sharp.png", "gaussians.ply"));
+    write("transforms.json",
+          nerfTransforms(seen_.view, "sharp.png", seen_.cloud.gaussians ? "" : "scene.ply"));
     const ColmapModel colmap = colmapModel(seen_.view, "sharp.png", seen_.cloud);
     write("colmap/cameras.txt", colmap.cameras);
     write("colmap/images.txt", colmap.images);

@@ -166,7 +166,8 @@ std::vector<ImportedPoint> importPoints(const ChartPlan& plan, const fs::path& f
   for (const Json& one : json) {
     const std::string where = file.string() + ": entry " + std::to_string(entries.size() + 1);
     entries.push_back(listedImage(one, where));
-    if (!seen.insert({entries.back().case_name, entries.back().name}).second) {
+    const EvaluatedMethod renderer{entries.back().name, std::nullopt};
+    if (!seen.insert({entries.back().case_name, renderer.fileName()}).second) {
       throw InputError(where, "a second image of ", shown(entries.back().case_name), " by ",
                        shown(entries.back().name));
     }
@@ -180,9 +181,12 @@ std::vector<ImportedPoint> importPoints(const ChartPlan& plan, const fs::path& f
       for (const ListedImage& entry : entries) {
         if (entry.case_name != name) continue;
         if (!of) of.emplace(folder, name, plan.key(scene, blur_px));
-        imported.push_back({.point = {}, .frame = of->frameOf(entry), .reference = of->reference});
+        const Frame frame = of->frameOf(entry);
+        imported.push_back({.point = pointOf(scoresOf(frame, of->compared)),
+                            .image = imageOf(frame),
+                            .difference = differenceOf(frame, of->reference, kDifferenceGain),
+                            .read = {folder / entry.image, folder / entry.sharp}});
         ChartPoint& point = imported.back().point;
-        point = pointOf(scoresOf(imported.back().frame, of->compared));
         point.scene = scene.id;
         point.blur_px = blur_px;
         point.method = {entry.name, std::nullopt};
@@ -200,8 +204,8 @@ std::vector<ImportedPoint> importPoints(const ChartPlan& plan, const fs::path& f
 std::vector<fs::path> importedFiles(const std::vector<ImportedPoint>& points,
                                     const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const auto& [point, frame, reference] : points) {
-    const std::string image = imageFile(point.scene, point.blur_px, point.method);
+  for (const ImportedPoint& one : points) {
+    const std::string image = imageFile(one.point);
     files.push_back(folder / image);
     files.push_back(folder / differenceFileOf(image));
   }
@@ -213,10 +217,10 @@ void writeImages(const std::vector<ImportedPoint>& points, OutputFolder& output)
     const auto png = pngOf(image);
     output.write(file, std::string(png.begin(), png.end()));
   };
-  for (const auto& [point, frame, reference] : points) {
-    const std::string image = imageFile(point.scene, point.blur_px, point.method);
-    write(image, imageOf(frame));
-    write(differenceFileOf(image), differenceOf(frame, reference, kDifferenceGain));
+  for (const ImportedPoint& one : points) {
+    const std::string image = imageFile(one.point);
+    write(image, one.image);
+    write(differenceFileOf(image), one.difference);
   }
 }
 

@@ -7,15 +7,16 @@
 
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/chart/points.h"
+#include "app/graphics/image.h"
 #include "app/platform/output_files.h"
-#include "render/image/frame.h"
 
 namespace foci {
 
-/// A point of the chart, with the frames that its images show.
+/// A point of the chart, with its images.
 struct ImportedPoint {
   ChartPoint point;
-  Frame frame, reference;
+  Image image{}, difference{};
+  std::vector<std::filesystem::path> read{};  ///< the files
 };
 
 /// Reads `times.json` in a folder of exported cases, and the images that it lists, and scores them.

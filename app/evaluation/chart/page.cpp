@@ -181,7 +181,7 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
          "reference, dB</th>"
          "<th>on the frontier</th></tr>\n";
   for (const ChartPoint& one : points) {
-    const std::string image = imageFile(one.scene, one.blur_px, one.method);
+    const std::string image = imageFile(one);
     out << "<tr>" << cell(escaped(one.scene)) << cell(decimal(one.blur_px, 0))
         << cell("<a href=\"" + hrefOf(image) + "\">" + escaped(one.method.spec()) + "</a>" +
                 (one.renderer.empty()

@@ -127,14 +127,13 @@ Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
            .color = point.renderer.empty() ? familyOf(name).color : kImportedColor,
            .width_px = 1.0});
     }
-    plot.series.back().points.push_back(
-        {.x = ms[i],
-         .y = heights_dB[i],
-         .label = settings[name] > 1 ? point.method.spec() : name,
-         .hollow = !on[i],
-         .title = pointTitleOf(point),
-         .link = imageFile(point.scene, point.blur_px, point.method),
-         .data = referenceFile(point.scene, point.blur_px)});
+    plot.series.back().points.push_back({.x = ms[i],
+                                         .y = heights_dB[i],
+                                         .label = settings[name] > 1 ? point.method.spec() : name,
+                                         .hollow = !on[i],
+                                         .title = pointTitleOf(point),
+                                         .link = imageFile(point),
+                                         .data = referenceFile(point.scene, point.blur_px)});
   }
   return plot;
 }

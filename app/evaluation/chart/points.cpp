@@ -90,6 +90,11 @@ std::string imageFile(const std::string& scene, double blur_px, const EvaluatedM
   return "images/" + panelName(scene, blur_px) + method.fileName() + ".png";
 }
 
+std::string imageFile(const ChartPoint& point) {
+  const EvaluatedMethod by{"by-" + point.method.name, point.method.setting};
+  return imageFile(point.scene, point.blur_px, point.renderer.empty() ? point.method : by);
+}
+
 std::string referenceFile(const std::string& scene, double blur_px) {
   return "images/" + panelName(scene, blur_px) + "reference.png";
 }

@@ -55,6 +55,8 @@ std::string csvOf(const std::vector<ChartPoint>& points);
 
 /// Image files relative to the chart's folder.
 std::string imageFile(const std::string& scene, double blur_px, const EvaluatedMethod& method);
+/// An imported image is named apart from those of foci's methods.
+std::string imageFile(const ChartPoint& point);
 std::string referenceFile(const std::string& scene, double blur_px);
 
 /// The Pareto frontier of (cost, worth). Entry i lies on the frontier if no other entry costs at
