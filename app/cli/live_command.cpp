@@ -76,6 +76,11 @@ std::string latencyText(const LiveSummary& summary) {
                      summary.sample_to_display));
 }
 
+std::string recordText(const std::filesystem::path& folder) {
+  return "record: foci replay " + (folder / "study.toml").string() + " --out " +
+         (folder / "replay").string();
+}
+
 std::string liveSummaryText(const LiveSummary& summary) {
   std::string text =
       std::to_string(summary.frames) + " frames, the first after " +
@@ -108,8 +113,7 @@ std::string liveSummaryText(const LiveSummary& summary) {
     text += "\nclock of the gaze's sender: " + clockText(*clock);
   }
   for (const auto& folder : summary.records) {
-    text += "\nrecord: foci replay " + (folder / "study.toml").string() + " --out " +
-            (folder / "replay").string();
+    text += "\n" + recordText(folder);
   }
   return text;
 }
@@ -152,8 +156,13 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   }
   saveStudy(options, asked, guard);
   Study placed;  // before a recorded head has moved its eye
-  live.open = [&](const std::filesystem::path& file, const Study& now) {
-    return openedFile(file, options, live.source, now.eye.recorded ? placed : now);
+  live.open = [&](const std::filesystem::path& file, Study now) {
+    if (now.eye.recorded) {
+      now.eye = placed.eye;
+      now.display = placed.display;
+      now.gaze = placed.gaze;
+    }
+    return openedFile(file, options, live.source, now);
   };
   LiveNext next{.study = std::move(asked.study),
                 .scene = std::move(asked.scene),
@@ -166,7 +175,13 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
     auto records = std::move(summary.records);
     auto failed = std::move(summary.failed_records);
     placed = studyOfWindow(std::move(next.study), live);
-    summary = runLive(placed, live, std::move(next.scene));
+    try {
+      summary = runLive(placed, live, std::move(next.scene));
+    } catch (...) {  // the files before have their records
+      for (const auto& folder : records) std::fprintf(stderr, "%s\n", recordText(folder).c_str());
+      for (const auto& line : failed) std::fprintf(stderr, "foci: %s\n", line.c_str());
+      throw;
+    }
     summary.records.insert(summary.records.begin(), records.begin(), records.end());
     summary.failed_records.insert(summary.failed_records.begin(), failed.begin(), failed.end());
     live.record.reset();  // of the first study alone

@@ -98,7 +98,7 @@ void GazeFeed::note(const std::vector<GazeSample>& news, SenderFacts&& sender, d
   // Pushed samples have been answered: they are kept (`push`).
   const bool keeps = source_.pushed || waiting_.size() < kMaxWaiting;
   if (keeps) waiting_.insert(waiting_.end(), news.begin(), news.end());
-  if (!source_.mouse) {
+  if (!source_.mouse && !source_.player) {  // a seek brings seconds of gaze at once
     const std::size_t dropped = sender.dropped - std::min(sender.dropped, sender_.dropped);
     logLine(keeps ? watch_.arrive(now_s, news, dropped, sender.why)
                   : watch_.arrive(now_s, {}, dropped + news.size(), kOverflow));
@@ -114,7 +114,7 @@ void GazeFeed::note(const std::vector<GazeSample>& news, SenderFacts&& sender, d
 
 void GazeFeed::look(bool uses_gaze) {
   const std::lock_guard lock(mutex_);
-  logLine(watch_.look(source_.player ? now_s_ : clock_.now_s(), uses_gaze));
+  if (!source_.player) logLine(watch_.look(clock_.now_s(), uses_gaze));
 }
 
 GazeReception GazeFeed::reception() const {

@@ -53,6 +53,7 @@ class LiveWindow {
   void key(int key);
   bool keyOfPlayer(int key);
   void steer(const std::vector<int>& pressed);
+  void tellWhatMoves();
   glm::dvec3 walkOf(const std::vector<int>& pressed) const;
   void sendPose();
   void change(const std::string& name, const std::string& toml) { renderer_->change(name, toml); }

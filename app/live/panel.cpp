@@ -323,7 +323,7 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
   }
   if (!content.state.in_view) {
     y = noticeAt(x, y, kWarning,
-                 "Nothing of the scene is in view. Home: the eye back to its start");
+                 "Nothing of the scene is in view. Backspace: the eye back to its start");
   }
   if (content.state.record) {
     const auto failure = content.state.record->failure();

@@ -249,7 +249,8 @@ void LiveRecord::write(const LiveFrame& frame) {
           << decimal(timing.render_end_s, 6) << '\t' << orAbsent(timing.swap_s, 6) << '\t'
           << timing.repeats << '\t' << timing.in_full << '\t';
   const auto landed_ms =
-      timing.swap_s ? landings_.add(frame.record, timing.in_full, *timing.swap_s) : std::nullopt;
+      timing.swap_s ? landings_.add(frame.record, timing.state_s, timing.in_full, *timing.swap_s)
+                    : std::nullopt;
   timing_ << orAbsent(landed_ms, 1) << '\t'
           << (timing.swap_s ? std::to_string(timing.sync_level) : "n/a") << '\t'
           << orAbsent(timing.display_s, 6) << '\t'

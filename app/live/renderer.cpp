@@ -185,6 +185,7 @@ std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& 
     const GazeSample first{.time_s = session_start_s_};
     session_->push(first);
     record->add(first);
+    if (feed_.holds()) record->addMarker(session_start_s_, "gaze is held");
     last_sample_s_ = session_start_s_;
     dropped_before_ = feed_.reception().dropped;
     const std::lock_guard lock(mutex_);

@@ -44,7 +44,8 @@ void drawBar(TracePlayer& player, const Playback& playback) {
   ImGui::InvisibleButton("bar", size);
   const double under_s =
       now.first_s + span_s * static_cast<double>((ImGui::GetMousePos().x - corner.x) / size.x);
-  if (ImGui::IsItemActive()) player.seek(under_s);
+  const bool drags = ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0.0f;
+  if (ImGui::IsItemActivated() || drags) player.seek(under_s);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const ImVec2 end(corner.x + size.x, corner.y + size.y);
   list.PushClipRect(corner, end, true);

@@ -55,6 +55,7 @@ void LiveWindow::openWindow(const Study& study, const LiveOptions& options) {
     size_px = study.imageSize_px();
   }
   window_.emplace(options.title, size_px, options.monitor);
+  ImGui::GetIO().ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;  // our keys would act twice
   open_ = true;
   texture_.emplace();
   period_s_ = 1.0 / window_->refresh_Hz();
@@ -322,7 +323,7 @@ void LiveWindow::shown(double swap_s) {
     if (timing.display_s)
       summary_.sample_to_display.add(1e3 * (*timing.display_s - *timing.sample_s));
   }
-  summary_.landings.add(frame_->record, timing.in_full, swap_s);
+  summary_.landings.add(frame_->record, timing.state_s, timing.in_full, swap_s);
   graph_.add(sample_ms, render_ms, 1e3 * (swap_s - timing.render_end_s));
   // The first frame after a record closes it.
   const auto record = frame_->record_file.lock();

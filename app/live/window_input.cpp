@@ -56,14 +56,15 @@ void LiveWindow::point() {
   const glm::dvec2 at_px = window_->cursor_px();
   const glm::dvec2 on_screen_px = at_px / window_->size_px() * glm::dvec2(screen_.size_px);
   const bool clicks = window_->leftButton() && in_scene;
-  if (clicks && !clicked_ && window_->hovered()) {
-    pressed_px_ = at_px;
-    if (const std::string told = feed_->lookedAt(on_screen_px); !told.empty()) {
-      renderer_->tell(told);
+  if (clicks && !clicked_ && window_->hovered()) pressed_px_ = at_px;
+  if ((clicks || clicked_) && glm::distance(at_px, pressed_px_) > kClick_px) orbits_ = true;
+  if (!clicks) {
+    if (clicked_ && !orbits_ && in_scene && window_->hovered()) {
+      const std::string told = feed_->lookedAt(on_screen_px);
+      if (!told.empty()) renderer_->tell(told);
     }
+    orbits_ = false;
   }
-  if (clicks && glm::distance(at_px, pressed_px_) > kClick_px) orbits_ = true;
-  if (!clicks) orbits_ = false;
   clicked_ = clicks;
   if (!window_->hovered()) {
     feed_->pointTo(std::nullopt);
@@ -96,7 +97,7 @@ glm::dvec3 LiveWindow::walkOf(const std::vector<int>& pressed) const {
 
 /// Moves the eye as keys and mouse say.
 void LiveWindow::steer(const std::vector<int>& pressed) {
-  constexpr double kMinPassed_s = 0.01, kMaxPassed_s = 0.05;  // a short press is a step
+  constexpr double kFirst_s = 0.01, kMaxPassed_s = 0.05;  // a short press is a step
   const double now_s = clock_.now_s();
   const glm::dvec2 at_px = window_->cursor_px();
   const double wheel = window_->takeWheel();
@@ -107,16 +108,21 @@ void LiveWindow::steer(const std::vector<int>& pressed) {
       .drag_px = at_px - std::exchange(cursor_px_, at_px),
       .tangent_per_px = screen_.size_m.y / screen_.distance_m / window_->size_px().y,
       .wheel = ImGui::GetIO().WantCaptureMouse ? 0.0 : wheel,
-      .passed_s = std::clamp(now_s - steered_s_, kMinPassed_s, kMaxPassed_s)};
+      .passed_s = moves_ ? std::min(now_s - steered_s_, kMaxPassed_s) : kFirst_s};
   steered_s_ = now_s;
   moves_ = input.walk != glm::dvec3(0.0);
   if (steering_) {
     steered_ |= steering_->steer(input, renderer_->state().scene_m, now_s);
   } else if (moves_ || input.wheel != 0.0) {
-    renderer_->tell(feed_->playback().head ? "the recording's head moves the eye"
-                                           : "the study moves the eye (eye.path)");
+    tellWhatMoves();
   }
   sendPose();
+}
+
+/// Why keys and mouse do not move the eye.
+void LiveWindow::tellWhatMoves() {
+  renderer_->tell(feed_->playback().head ? "the recording's head moves the eye"
+                                         : "the study moves the eye (eye.path)");
 }
 
 /// Gives the pose to the renderer, once it has the last one.
@@ -132,15 +138,18 @@ void LiveWindow::sendPose() {
 /// Back to the first view, or to that before the last change.
 void LiveWindow::restoreView(bool first) {
   if (headset_ && first) headset_->recentre();
-  if (!steering_) return;
-  if (first) {
+  if (!steering_) {
+    tellWhatMoves();
+  } else if (first) {
     steering_->reset(clock_.now_s());
     renderer_->tell("the view is where it began");
+    steered_ = true;
+  } else if (steering_->undo()) {
+    renderer_->tell("the view is as it was before");
+    steered_ = true;
   } else {
-    renderer_->tell(steering_->undo() ? "the view is as it was before"
-                                      : "no earlier view to go back to");
+    renderer_->tell("no earlier view to go back to");
   }
-  steered_ = true;
 }
 
 /// @return whether any key was pressed

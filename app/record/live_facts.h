@@ -51,9 +51,10 @@ class Durations {
 class Landings {
  public:
   /// Takes a frame that was shown. Frames come in order.
-  /// @param full  at full quality: the frame-time budget took nothing away
+  /// @param state_s  time of the sample that its gaze state is of, on the clock of swap_s
+  /// @param full     at full quality: the frame-time budget took nothing away
   /// @return for the first full frame after a landing, the time since then, ms
-  std::optional<double> add(const FrameRecord& record, bool full, double swap_s) {
+  std::optional<double> add(const FrameRecord& record, double state_s, bool full, double swap_s) {
     ++frames_;
     full_frames_ += full;
     const GazeState state = record.eye.state;
@@ -61,7 +62,7 @@ class Landings {
       in_saccade_ = true;
     } else if (isStable(state) && in_saccade_) {
       in_saccade_ = false;
-      landed_s_ = record.eye.state_time_s;
+      landed_s_ = state_s;
       ++count_;
     }
     if (!isStable(state)) landed_s_.reset();  // the eye has left again

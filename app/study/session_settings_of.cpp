@@ -71,9 +71,7 @@ EyePath eyePathOf(const Study& study) {
     pose.position_m = *study.eye.position_m;
     pose.look_at_m = *study.eye.look_at_m;
   } else if (study.scene.file) {
-    throw InputError(file,
-                     "eye.position_m: expected for a scene from a file, as is eye.look_at_m; a "
-                     "recording's head moves the eye in foci replay only");
+    throw InputError(file, "eye.position_m: expected for a scene from a file, as is eye.look_at_m");
   } else {
     const EyePose builtin = builtinPose(study);
     pose.position_m = builtin.position_m;

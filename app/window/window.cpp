@@ -18,6 +18,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -38,6 +39,12 @@ namespace foci {
 namespace {
 
 constexpr float kFont_px = 20.0f;
+// A switch would flip while its key is held down; a step repeats.
+constexpr std::array kRepeating{
+    GLFW_KEY_LEFT,  GLFW_KEY_RIGHT,  GLFW_KEY_UP,    GLFW_KEY_DOWN,
+    GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD, GLFW_KEY_MINUS, GLFW_KEY_KP_SUBTRACT,
+    GLFW_KEY_COMMA, GLFW_KEY_PERIOD, GLFW_KEY_Z};
+
 /// The context of a window that stays hidden. Any thread may make it current.
 class HiddenContext final : public GpuContext {
  public:
@@ -172,10 +179,13 @@ void Window::listen() {
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
     if (action == GLFW_RELEASE) return;
-    static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+    auto& here = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    here.repeats_ = action == GLFW_REPEAT;
+    if (!here.repeats_ || std::ranges::count(kRepeating, key) > 0) here.keys_.push_back(key);
   });
   glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned typed) {
-    static_cast<Window*>(glfwGetWindowUserPointer(window))->typed_.push_back(typed);
+    auto& here = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    if (!here.repeats_) here.typed_.push_back(typed);
   });
   glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double up) {
     static_cast<Window*>(glfwGetWindowUserPointer(window))->wheel_ += up;

@@ -46,7 +46,8 @@ class Window {
   /// Executes the frame's Dear ImGui commands and shows the frame.
   void end();
 
-  /// Keys (numbers of GLFW) pressed or repeated since the last call, and characters typed.
+  /// Keys (numbers of GLFW) pressed since the last call, and characters typed. Of a key that is
+  /// held down, only arrows, + - , . and Z repeat.
   std::vector<int> takeKeys();
   std::vector<unsigned> takeTyped();
   /// Whether a key (a letter, an arrow, escape or space; number of GLFW) was pressed in this frame.
@@ -83,6 +84,7 @@ class Window {
   std::vector<int> keys_;
   std::vector<unsigned> typed_;
   std::vector<std::filesystem::path> dropped_;
+  bool repeats_ = false;  // the latest key is held down
   double wheel_ = 0.0;
   glm::ivec4 windowed_px_{60, 60, 1280, 720};  // place and size before the full screen
   GLFWmonitor* monitor_ = nullptr;

@@ -58,7 +58,7 @@ double TracePlayer::time_s() const {
 
 double TracePlayer::recordingAt_s(double time_s) const {
   const std::lock_guard lock(mutex_);
-  return time_s - offset_s_;
+  return time_s - (time_s < jumped_s_ ? before_s_ : offset_s_);
 }
 
 std::vector<PlayPoint> TracePlayer::takePoints() {
@@ -99,10 +99,12 @@ void TracePlayer::give(std::vector<GazeSample>& samples) {
 void TracePlayer::jump(double to_s, double run_up_s) {
   const double from_s = std::max(to_s - run_up_s, now_.first_s);
   const double time_s = now_.recording_s + offset_s_ + 1.0 / trace_.rate_Hz;
-  offset_s_ = time_s - from_s;
+  jumped_s_ = time_s;
+  before_s_ = std::exchange(offset_s_, time_s - from_s);
   const auto first = std::ranges::lower_bound(trace_.samples, from_s, {}, &GazeSample::time_s);
   next_ = static_cast<std::size_t>(first - trace_.samples.begin());
   now_.recording_s = to_s;
+  if (from_s < to_s) points_.push_back({.time_s = time_s, .recording_s = from_s, .speed = 0.0});
   points_.push_back(pointNow());
 }
 

@@ -15,7 +15,7 @@ namespace foci {
 struct PlayPoint {
   double time_s = 0.0;
   double recording_s = 0.0;  ///< on the recording's clock
-  double speed = 0.0;        ///< recorded seconds per second; 0: pauses
+  double speed = 0.0;        ///< recorded seconds per second; 0: pauses, or a seek's run-up
 };
 
 /// Has a clock of its own, on which the times of its samples are. A second of this clock is a
@@ -50,7 +50,8 @@ class TracePlayer final : public LiveSource {
   State state() const;
   /// The player's clock at the last poll.
   double time_s() const;
-  /// The moment of the recording that belongs to a time of the player's clock.
+  /// The moment of the recording that belongs to a time of the player's clock, since the seek
+  /// before the last.
   double recordingAt_s(double time_s) const;
   /// The changes since the last call, in order of time.
   std::vector<PlayPoint> takePoints();
@@ -70,7 +71,8 @@ class TracePlayer final : public LiveSource {
   mutable std::mutex mutex_{};
   GazeTrace trace_;
   State now_{};
-  double offset_s_;  // from the recording's clock to the player's
+  double offset_s_;                           // from the recording's clock to the player's
+  double before_s_ = 0.0, jumped_s_ = -1e12;  // the offset before the last jump; when that was
   std::size_t next_ = 0;
   std::optional<double> polled_s_{}, seek_s_{};
   std::vector<PlayPoint> points_{};

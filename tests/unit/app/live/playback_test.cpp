@@ -119,6 +119,7 @@ TEST_F(Playing, ASeekShowsTheFocusOfThatMomentAndARecordOfItReplays) {
     EXPECT_EQ(renderer.change("observer.pupil_mm", "6").get(), "");
     watchFor(renderer, 0.3);
     EXPECT_EQ(renderer.stopRecord().get(), "");
+    EXPECT_TRUE(feed.reception().unused.empty());  // although seeks brought old gaze
   }
   const std::string playback = textOf(folder / "playback.tsv");
   EXPECT_TRUE(playback.starts_with("# recording=")) << playback;

@@ -20,8 +20,8 @@ TEST(Landings, LastFromTheSampleThatLandedToTheFirstFullFrame) {
   const auto show = [&](GazeState state, double state_s, bool full, double swap_s) {
     FrameRecord record;
     record.eye.state = state;
-    record.eye.state_time_s = state_s;
-    return landings.add(record, full, swap_s);
+    record.eye.state_time_s = 1000.0 + state_s;  // a recording has a clock of its own
+    return landings.add(record, state_s, full, swap_s);
   };
   constexpr double kRounding_ms = 1e-9;
   EXPECT_FALSE(show(GazeState::fixation, 0.0, true, 0.1));  // no saccade was before

@@ -129,14 +129,21 @@ TEST(TracePlayer, SaysWhereItPlaysFromWhenOn) {
   played.wait(1.0);
   played.player.seek(58.0);
   played.wait(0.0);
+  // A frame may still be of the time before.
+  EXPECT_NEAR(played.player.recordingAt_s(1.5), 51.5, kRounding);
+  EXPECT_NEAR(played.player.recordingAt_s(played.player.time_s()), 58.0, kRounding);
   played.player.play(false);
   const auto points = played.player.takePoints();
-  ASSERT_EQ(points.size(), 4u);
+  ASSERT_EQ(points.size(), 5u);
   EXPECT_NEAR(points[1].time_s, 1.0, kRounding);
   EXPECT_NEAR(points[1].recording_s, 51.0, kRounding);
   EXPECT_EQ(points[1].speed, 0.5);
-  EXPECT_NEAR(points[2].recording_s, 58.0, kRounding);
-  EXPECT_EQ(points[3].speed, 0.0);
+  EXPECT_LT(points[2].recording_s, 56.0);  // the run-up
+  EXPECT_EQ(points[2].speed, 0.0);
+  EXPECT_NEAR(points[3].recording_s, 58.0, kRounding);
+  EXPECT_NEAR(points[3].time_s - points[2].time_s, 58.0 - points[2].recording_s, kRounding);
+  EXPECT_EQ(points[3].speed, 0.5);
+  EXPECT_EQ(points[4].speed, 0.0);
   EXPECT_TRUE(played.player.takePoints().empty());
 }
 
