@@ -271,8 +271,10 @@ TEST(Chart, ExportsCasesAndChartsTheImagesThatComeBack) {
   EXPECT_EQ(Json::parse(outcome.out).at("cases"), kBlurs);
   // The README's last step is the command that follows.
   EXPECT_NE(folder.read("cases/README.md")
-                .find("`foci chart --quick --size 32 --scene scan --scan step.ply --eye 0,0,0 "
-                      "--look-at 0,0,-1 --up 0,1,0 --import THIS_FOLDER --out out/chart`"),
+                .find("`foci chart --quick --size 32 --scene scan --scan " +
+                      (folder.path() / "step.ply").string() +
+                      " --eye 0,0,0 --look-at 0,0,-1 --up 0,1,0 --import THIS_FOLDER --out "
+                      "out/chart`"),
             std::string::npos);
 
   // The aperture, the f-number and the one point agree with each other and the camera.
@@ -314,7 +316,7 @@ TEST(Chart, ExportsCasesAndChartsTheImagesThatComeBack) {
     EXPECT_EQ(row[18], "2.0 a b");
   }
   EXPECT_TRUE(found);
-  EXPECT_TRUE(folder.read("out/images/scan_4px_mine-1.png").starts_with("\x89PNG"));
+  EXPECT_TRUE(folder.read("out/images/scan_4px_by-mine-1.png").starts_with("\x89PNG"));
   EXPECT_NE(folder.read("out/chart.html").find("other renderers"), std::string::npos);
 }
 
