@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "app/evaluation/chart/camera_check.h"
@@ -48,9 +49,9 @@ ListedImage listedImage(const Json& json, const std::string& where) {
       {"case", &entry.case_name}, {"image", &entry.image},     {"sharp", &entry.sharp}};
   if (!json.is_object()) throw InputError(where, "expected an object in braces");
   for (const auto& [key, value] : json.items()) {
-    const bool known = key == "ms" || std::ranges::any_of(texts, [&](const auto& text) {
-                         return key == text.first;
-                       });
+    const bool known = key == "ms" || std::ranges::count(texts, key, [](const auto& text) {
+                                        return std::string_view(text.first);
+                                      }) > 0;
     if (!known) {
       throw InputError(where, shown(key),
                        ": expected name, version, machine, ms, case, image and sharp");
