@@ -130,6 +130,7 @@ TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
     renderer.change("observer.pupil_mm", "7");
     renderer.change("observer.field", "\"typical\"");
     watch(renderer, clock, 0.2);
+    renderer.change("observer.field", "\"none\"");
     renderer.change("output.view", "\"side-by-side\"");
     renderer.change("eye.position_m", "[0.1, 0, 0.1]");
     watch(renderer, clock, 0.3);
