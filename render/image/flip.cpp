@@ -26,6 +26,13 @@ constexpr double kFeature_deg = 0.082;
 
 using Planes4 = std::vector<glm::vec4>;
 
+/// The weight of a kernel at an offset from its middle.
+template <class Kernel>
+auto& weightAt(Kernel& kernel, int offset) {
+  const int index = static_cast<int>(kernel.size()) / 2 + offset;
+  return kernel[static_cast<std::size_t>(index)];
+}
+
 /// Convolves rows and columns, each channel with its own kernels from -reach to reach. The edge
 /// goes on beyond it.
 Planes4 convolved(const Planes4& pixels, const glm::ivec2& size_px, const Planes4& along_x,
@@ -40,8 +47,7 @@ Planes4 convolved(const Planes4& pixels, const glm::ivec2& size_px, const Planes
         for (int k = -reach; k <= reach; ++k) {
           const int column = std::clamp(x + k * step.x, 0, size_px.x - 1);
           const int line = std::clamp(static_cast<int>(row) + k * step.y, 0, size_px.y - 1);
-          sum += kernel[static_cast<std::size_t>(k + reach)] *
-                 from[static_cast<std::size_t>(line) * size_px.x + column];
+          sum += weightAt(kernel, k) * from[static_cast<std::size_t>(line) * size_px.x + column];
         }
       }
     });
@@ -99,7 +105,7 @@ std::vector<glm::vec3> colorsOf(const Planes4& xyz, const glm::ivec2& size_px, d
     for (int c = 0; c < 4; ++c) {
       const double weight =
           std::exp(-pi * pi * x_deg * x_deg / kSensitivities[static_cast<std::size_t>(c)].b);
-      kernel[static_cast<std::size_t>(k + reach)][c] = static_cast<float>(weight);
+      weightAt(kernel, k)[c] = static_cast<float>(weight);
       sums[c] += weight;
     }
   }
@@ -137,8 +143,8 @@ std::vector<glm::vec2> featuresOf(const Planes4& xyz, const glm::ivec2& size_px,
     const double x = k / sigma_px, gaussian = std::exp(-0.5 * x * x);
     const auto edge = static_cast<float>(-x * gaussian), flat = static_cast<float>(gaussian);
     const auto point = static_cast<float>((x * x - 1.0) * gaussian);
-    along_x[static_cast<std::size_t>(k + reach)] = {edge, flat, point, flat};
-    along_y[static_cast<std::size_t>(k + reach)] = {flat, edge, flat, point};
+    weightAt(along_x, k) = {edge, flat, point, flat};
+    weightAt(along_y, k) = {flat, edge, flat, point};
   }
   normalise(along_x);
   normalise(along_y);
