@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/live/objects.h"
+#include "app/live/words.h"
 #include "app/study/study_words.h"
 #include "base/text.h"
 #include "render/methods/method.h"
@@ -91,11 +92,6 @@ class KeyItems {
   const Study& study_;
   const LiveControls& controls_;
 };
-
-std::string metresText(double focus_D) {
-  if (focus_D < -0.005) return "behind the eye";
-  return focus_D < 0.005 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
-}
 
 bool group(const char* name, bool opens = true) {
   return ImGui::CollapsingHeader(name, opens ? ImGuiTreeNodeFlags_DefaultOpen : 0);

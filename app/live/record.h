@@ -8,8 +8,7 @@
 //   timing.tsv         when each frame was sampled, rendered and shown
 //   event_markers.tsv  event markers, set by a key or by remote control
 //   head.tsv           of a headset or a recording with a head: the head in the scene, of each
-//   frame
-//                      and of each sample
+//                      frame and of each sample
 //   playback.tsv       of a recording as the source: where and how fast it plays from when on
 // Once it is closed:
 //   events.tsv         as of a replay

@@ -36,6 +36,11 @@ std::string speedInWords(double speed) {
 
 }  // namespace
 
+std::string metresText(double focus_D) {
+  if (focus_D < -0.005) return "behind the eye";
+  return focus_D < 0.005 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
+}
+
 std::string changeInWords(std::string_view key, const std::string& toml) {
   const bool on = toml == "true";
   const std::string word(toml.size() > 1 && toml.front() == '"' ? toml.substr(1, toml.size() - 2)
@@ -53,8 +58,7 @@ std::string changeInWords(std::string_view key, const std::string& toml) {
   if (key == "focus.fixed_D") {
     const auto focus_D = parseNumber(toml);
     if (!focus_D) return "focus follows the gaze";
-    return "focus fixed at " + decimal(*focus_D, 2) + " D, " +
-           (*focus_D < 0.005 ? "infinity" : decimal(1.0 / *focus_D, 2) + " m");
+    return "focus fixed at " + decimal(*focus_D, 2) + " D, " + metresText(*focus_D);
   }
   return std::string(key) + " = " + toml;
 }

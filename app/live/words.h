@@ -1,4 +1,4 @@
-// What a key of the window has done, in a few words.
+// What the window says in a few words.
 #pragma once
 
 #include <string>
@@ -9,6 +9,9 @@
 #include "gaze/live/trace_player.h"
 
 namespace foci {
+
+/// The distance of a focus: "0.50 m", "infinity", "behind the eye".
+std::string metresText(double focus_D);
 
 /// The new value of a study's key: "pupil 6 mm".
 /// @param toml  as `setKey` takes it

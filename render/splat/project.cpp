@@ -137,8 +137,6 @@ HWY_EXPORT(projectNodes);
 
 namespace {
 
-bool blurs(const ProjectJob& job) { return job.blur.x > 0.0f && job.blur.y > 0.0f; }
-
 /// @param outside  `bodiesFromOutside`
 ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
                  const Projection& projection, const std::vector<std::uint8_t>& outside) {

@@ -52,6 +52,8 @@ struct ProjectJob {
   float aperture;               // its radius over the lens's
 };
 
+inline bool blurs(const ProjectJob& job) { return job.blur.x > 0.0f && job.blur.y > 0.0f; }
+
 }  // namespace foci
 #endif  // FOCI_PROJECT_LANES_ONCE
 
@@ -440,7 +442,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   visible = hn::And(visible, reachesImage(job, c, f.widest2, hn::Add(prefilter, blur.x2),
                                           hn::Add(prefilter, blur.y2)));
 
-  if (!job.field && job.astigmatism == 0.0f) {
+  if (blurs(job) && !job.field && job.astigmatism == 0.0f) {
     const V radius = hn::Max(hn::Load(d, out.radius), hn::Set(d, 1e-6f));
     storeLensScales(radius, hn::Mul(hn::Mul(narrow, radius), radius), prefilter, c.out_of_focus_D,
                     out.lens);

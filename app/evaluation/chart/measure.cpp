@@ -291,7 +291,6 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder, const Ou
       group.addTo(result);
     }
   }
-  markFrontiers(result.points);
   return result;
 }
 

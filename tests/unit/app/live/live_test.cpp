@@ -23,6 +23,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/app/live/wall.h"
 
 namespace foci {
 namespace FOCI_FILE {
@@ -55,17 +56,8 @@ class Jumping final : public LiveSource {
 class Live : public testing::Test {
  protected:
   void SetUp() override {
-    std::string ply =
-        "ply\nformat ascii 1.0\nelement vertex 1200\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n";
-    for (int i = 0; i < 1200; ++i) {  // a wall whose right part is nearer
-      const double x = 0.05 * (i % 40 - 19.5), y = 0.05 * (i / 40 - 14.5);
-      ply += std::to_string(x) + " " + std::to_string(y) + (x > 0 ? " -1\n" : " -2\n");
-    }
-    std::ofstream(scratch.path() / "scene.ply", std::ios::binary) << ply;
-    study.file = scratch.path() / "live.toml";
-    std::ofstream(study.file) << "";
-    study.scene.file = scratch.path() / "scene.ply";
+    study.file = scratch.write("live.toml", "");
+    study.scene.file = scratch.write("scene.ply", wallPly());
     study.eye.position_m = glm::dvec3(0.0);
     study.eye.look_at_m = glm::dvec3(0.0, 0.0, -1.0);
     study.output.size_px = glm::ivec2(64, 36);

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -16,6 +15,7 @@
 #include "app/replay/replay.h"
 #include "base/input_error.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/app/live/wall.h"
 
 namespace foci {
 namespace FOCI_FILE {
@@ -25,14 +25,7 @@ namespace fs = std::filesystem;
 class Playing : public testing::Test {
  protected:
   void SetUp() override {
-    std::string ply =
-        "ply\nformat ascii 1.0\nelement vertex 1200\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n";
-    for (int i = 0; i < 1200; ++i) {  // a wall whose right part is nearer
-      const double x = 0.05 * (i % 40 - 19.5), y = 0.05 * (i / 40 - 14.5);
-      ply += std::to_string(x) + " " + std::to_string(y) + (x > 0 ? " -1\n" : " -2\n");
-    }
-    study.scene.file = scratch.write("scene.ply", ply);
+    study.scene.file = scratch.write("scene.ply", wallPly());
     study.scene.cache = false;
     study.file = scratch.write("live.toml", "");
     study.eye.position_m = glm::dvec3(0.0);
