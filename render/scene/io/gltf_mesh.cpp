@@ -289,7 +289,8 @@ class GltfMeshReader {
       const std::size_t mode = modeOf(gltf_, *primitives[i]);
       if (extensionOf(*primitives[i], "KHR_gaussian_splatting") != nullptr) continue;
       if (mode < 4) {
-        (mode == 0 ? points_ : lines_) += static_cast<std::uint64_t>(cornersOf(*primitives[i]));
+        const auto corners = static_cast<std::uint64_t>(cornersOf(*primitives[i]));
+        (mode == 0 ? points_ : lines_) += mode == 1 ? corners / 2 : corners;
         continue;
       }
       const auto key = std::pair(place.mesh, i);

@@ -174,9 +174,11 @@ class ObjParser {
     const std::size_t count = takeNumbers(v);
     if (count != 3 && count != 4 && count != 6 && count != 7) {
       refuse("a vertex has ", count,
-             " numbers: expected x y z, x y z w, x y z r g b or x y z w r g b");
+             " numbers: expected x y z, x y z w, x y z r g b, x y z r g b a or x y z w r g b");
     }
-    const bool colored = count >= 6, weighted = count == 4 || count == 7;
+    // Of a polygon's vertices, all weights are 1.
+    has_alpha_ |= count == 7 && v[3] != 1.0;
+    const bool colored = count >= 6, weighted = count == 4 || (count == 7 && !has_alpha_);
     const bool scaled = weighted && v[3] != 0.0 && v[3] != 1.0;
     file_.positions.push_back(glm::dvec3(v[0], v[1], v[2]) / (scaled ? v[3] : 1.0));
     if (colored || !file_.colors.empty()) {
@@ -269,8 +271,8 @@ class ObjParser {
   ObjFile file_;
   std::uint32_t material_ = 0, object_ = 0;
   std::map<std::string, std::uint32_t> material_numbers_, object_numbers_;
-  std::vector<glm::vec3> painted_;  // by ZBrush
-  bool free_form_ = false;
+  std::vector<glm::vec3> painted_;              // by ZBrush
+  bool free_form_ = false, has_alpha_ = false;  // behind the colours
 };
 
 std::string_view textOf(const MappedFile& file) {

@@ -151,6 +151,7 @@ std::optional<std::string> linearise(std::vector<glm::vec3>& colors,
 PointCloud pointsOf(ObjFile&& obj, const std::filesystem::path& path) {
   PointCloud points;
   points.format = "OBJ points";
+  points.remarks = std::move(obj.remarks);
   if (const auto said = linearise(obj.colors, path)) points.remarks.push_back(*said);
   const bool has_normals = obj.normals.size() == obj.positions.size();
   ScanPositions positions(points);

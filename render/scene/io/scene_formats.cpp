@@ -240,8 +240,6 @@ constexpr std::array kMarks = {
          "is packed by xz: unpack it with unxz"},
     Mark{0, "\x28\xb5\x2f\xfd", "is packed by Zstandard: unpack it with unzstd"},
     Mark{257, "ustar", "is a tar archive: unpack it, and give the scene in it"},
-    Mark{0, "<!doctype html", "is a web page, not the file itself: download it again"},
-    Mark{0, "<html", "is a web page, not the file itself: download it again"},
     Mark{0, "\x89png", kPicture},
     Mark{0, "\xff\xd8\xff", kPicture},
     Mark{0, "gif8", kPicture},
@@ -325,6 +323,9 @@ std::optional<std::string> wordsOfContent(const FileStart& start) {
   if (isGrid(start)) {
     return "is an ESRI ASCII grid, a map of heights: gdal_translate -of XYZ IN OUT.xyz makes "
            "points of it";
+  }
+  if (startsWith(start, {"<!DOCTYPE html", "<!doctype html", "<!DOCTYPE HTML", "<html", "<HTML"})) {
+    return "is a web page, not the file itself: download it again";
   }
   for (const Mark& mark : kMarks) {
     if (text.size() < mark.at || !text.substr(mark.at).starts_with(mark.bytes)) continue;

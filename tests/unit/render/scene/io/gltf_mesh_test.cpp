@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/input_error.h"
@@ -183,13 +184,16 @@ TEST(GltfMesh, StripsAndFansAreTriangles) {
   EXPECT_FLOAT_EQ(areaAndSide(6), 0.0f);  // the fan's second triangle is turned over
 }
 
-TEST(GltfMesh, PointsBesideTrianglesAreNamed) {
+TEST(GltfMesh, PointsAndLinesBesideTrianglesAreNamed) {
   const TemporaryFolder folder;
   folder.write("b.bin", kSquareBytes);
-  const std::string json = R"("attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"mode":0)";
-  const MeshFile file = readMesh(folder.write("a.gltf", primitive(json, kSquareLists, 48)));
-  ASSERT_EQ(file.mesh.remarks.size(), 1u);
-  EXPECT_EQ(file.mesh.remarks[0], "4 points beside the triangles are left out");
+  const std::string json = R"("attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"mode":)";
+  for (const auto& [mode, what] : {std::pair("0", "4 points"), {"1", "2 lines"}}) {
+    const MeshFile file =
+        readMesh(folder.write("a.gltf", primitive(json + mode, kSquareLists, 48)));
+    ASSERT_EQ(file.mesh.remarks.size(), 1u);
+    EXPECT_EQ(file.mesh.remarks[0], std::string(what) + " beside the triangles are left out");
+  }
 }
 
 /// The packed bytes are those of meshoptimizer's encoder.

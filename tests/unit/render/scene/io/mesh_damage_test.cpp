@@ -224,6 +224,16 @@ TEST_F(MeshDamage, ColoursOfVerticesMayBe0To255) {
   EXPECT_EQ(said("b.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"), "");
 }
 
+TEST_F(MeshDamage, SevenNumbersOfAnObjHaveAWeightOrAnAlpha) {
+  const MeshFile alpha = readMesh(
+      folder_.write("a.obj", "v 2 0 0 0 0 1 1\nv 4 0 0 0 0 1 1\nv 2 1 0 0 0 1 1\nf 1 2 3\n"));
+  EXPECT_EQ(alpha.mesh.corners_m.at(1).x, 4.0f);
+  EXPECT_EQ(colorAt(alpha.mesh, {0, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(0, 0, 1));
+  const MeshFile weight = readMesh(
+      folder_.write("w.obj", "v 2 0 0 1 0 1 0\nv 4 0 0 1 0 1 0\nv 2 1 0 1 0 1 0\nf 1 2 3\n"));
+  EXPECT_EQ(colorAt(weight.mesh, {0, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(0, 1, 0));
+}
+
 TEST_F(MeshDamage, AnObjThatEndsWithinAFaceIsRefused) {
   const std::string start = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
   EXPECT_EQ(said("a.obj", start + "f 1/1 3/1 4/1"), "");

@@ -70,6 +70,7 @@ TEST_F(SceneFormats, WhatIsNoSceneIsNamed) {
       {zip({{"archive/data.pkl", "x"}}), "is a checkpoint of PyTorch"},
       {gzipped(tar), "packed by gzip, is a tar archive"},
       {"<!DOCTYPE html><html>not found</html>", "is a web page"},
+      {"\n\n<html>not found</html>", "is a web page"},
       {"ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3 4\n", "ESRI ASCII grid"},
       {"\x89PNG\r\n\x1a\n" + std::string(20, '\1'), "is a picture"},
       {"\x93NUMPY\1", "is a NumPy array"},

@@ -237,6 +237,10 @@ TEST_F(TextPoints, AnObjMayHoldPointsOnly) {
       std::get<PointCloud>(readObj(scratch.write("l.obj", "v 1 2 3\nv 2 3 4\nl 1 2\n")));
   ASSERT_EQ(lines.remarks.size(), 1u);
   EXPECT_TRUE(has(lines.remarks[0], "1 line left out"));
+  const auto patch =
+      std::get<PointCloud>(readObj(scratch.write("s.obj", "v 1 2 3\nv 2 3 4\nsurf 0 1 0 1 1 2\n")));
+  ASSERT_EQ(patch.remarks.size(), 1u);
+  EXPECT_TRUE(has(patch.remarks[0], "free-form curves and surfaces are left out"));
 }
 
 TEST_F(TextPoints, PointsOfColmapMayBeBinary) {
