@@ -168,7 +168,7 @@ std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {
       const auto stimulus = json.find("StimulusPresentation");
       if (stimulus == json.end()) continue;
       metadata.stimulus = *stimulus;
-      metadata.files.push_back(std::move(path));
+      metadata.files.insert(metadata.files.begin(), std::move(path));
     }
   }
   if (!any) return std::nullopt;

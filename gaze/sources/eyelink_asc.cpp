@@ -188,6 +188,7 @@ class AscReader {
   void readCoordinates(std::size_t at) {
     const std::string_view key = words_[at];
     if (key == "DISPLAY_COORDS" && gaze_coords_) return;
+    if (at + 1 < words_.size() && words_[at + 1] == "=") ++at;
     gaze_coords_ |= key == "GAZE_COORDS";
     Coordinates read{.origin_px = {number(at + 1), number(at + 2)}};
     for (int axis : {0, 1}) {

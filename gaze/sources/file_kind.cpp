@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {
@@ -59,7 +60,8 @@ constexpr Magic kMagics[] = {
     {"\xff\xfe"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
     {"\xfe\xff"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
     {"<?xml"sv, "an XML file", kExportTable},
-    {"<!DOCTYPE"sv, "an HTML or XML page", kExportTable},
+    {"<REC "sv, "a log of the Open Gaze API", kExportTable},
+    {"version https://git-lfs"sv, "a pointer of Git LFS", "git lfs pull fetches the recording"},
     {"\x7f"
      "ELF"sv,
      "a program", kNoGaze},
@@ -85,6 +87,10 @@ std::optional<std::string> otherFileKind(std::string_view start,
     return kindText("a Python pickle", "write its table of samples as CSV");
   }
   const std::size_t first = start.find_first_not_of(" \t\r\n");
+  const std::string text = lowered(start.substr(std::min(first, start.size())));
+  if (text.starts_with("<!doctype") || text.starts_with("<html")) {
+    return kindText("a web page", "download the recording itself");
+  }
   if (first != std::string_view::npos && start[first] == '[' && start.find('{') != start.npos) {
     return kindText("a JSON list (WebGazer, jsPsych)",
                     "write its samples as a table, with t, x and y of a sample in each row");

@@ -90,9 +90,9 @@ bool isAbsent(std::string_view field) {
   if (field.size() > kLongest || std::isdigit(static_cast<unsigned char>(field.back()))) {
     return false;
   }
-  // Those with brackets or a number sign are what programs on Windows print for NaN.
-  for (std::string_view word : {"nan", "na", "n/a", "null", "none", "-nan", "nan(ind)", "-nan(ind)",
-                                "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"}) {
+  // Spreadsheets write #N/A; programs on Windows print words with brackets or 1.# for NaN.
+  for (std::string_view word : {"nan", "na", "n/a", "#n/a", "null", "none", "-nan", "nan(ind)",
+                                "-nan(ind)", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"}) {
     if (equalsIgnoringCase(field, word)) return true;
   }
   return false;

@@ -276,7 +276,7 @@ class RowReader {
     const RowGroups& groups = layout_.groups;
     const std::string_view value = valueAt(*groups.eye);
     if (value != groups.eyes[0] && value != groups.eyes[1]) {
-      ++foreign_;
+      ++of_neither_;
       return;
     }
     const std::size_t side = value == groups.eyes[0] ? 0 : 1;
@@ -460,9 +460,11 @@ class RowReader {
                                "an event: they are skipped");
     }
     if (groups.eye) {
-      header.assumed.push_back("rows of one eye each, by the column " +
-                               shown(rows_.names()[*groups.eye]) + ": " + shown(groups.eyes[0]) +
-                               " is the left eye" + (groups.eyes_assumed ? ", a guess" : ""));
+      header.assumed.push_back(
+          "rows of one eye each, by the column " + shown(rows_.names()[*groups.eye]) + ": " +
+          shown(groups.eyes[0]) + " is the left eye" + (groups.eyes_assumed ? ", a guess" : "") +
+          (of_neither_ == 0 ? ""
+                            : "; rows of neither are left out: " + std::to_string(of_neither_)));
     }
   }
 
@@ -491,6 +493,7 @@ class RowReader {
   std::vector<std::string> other_values_{};     // that the study does not choose
   bool any_chosen_ = false;
   std::size_t foreign_ = 0;                // rows
+  std::size_t of_neither_ = 0;             // rows of one eye each: of neither eye
   std::vector<GazeSample> pending_{};      // without gaze, since the last one with gaze
   std::optional<double> last_gaze_{};      // its time
   std::optional<GazeSample> first_eye_{};  // waits for the other eye's row

@@ -169,6 +169,17 @@ std::vector<std::string> valuesOf(const Survey& survey, std::size_t candidate, b
   return values;
 }
 
+/// Whether a row often has another value than the row before. The side of a stimulus rests for
+/// long.
+bool alternates(const Survey& survey, std::size_t candidate) {
+  const auto& rows = survey.seen();
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    changes += rows[i].values[candidate] != rows[i - 1].values[candidate];
+  }
+  return static_cast<double>(changes) >= kAlternates * static_cast<double>(rows.size());
+}
+
 /// Whether rows of a column's values alternate and look at places far apart, each group at its own.
 bool areApart(const Survey& survey, std::size_t candidate) {
   std::map<std::string, glm::dvec2> last_of;
@@ -243,13 +254,17 @@ class Grouper {
 
   void findEye() {
     for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
-      const auto values = valuesOf(survey_, i, true);
+      auto values = valuesOf(survey_, i, true);
+      std::erase_if(values, [](const std::string& value) {
+        return isWordOf("b both binocular cyclopean combined average avg mean", lowered(value));
+      });
       if (values.size() != 2) continue;
       const auto first = sideNamed(values[0]), second = sideNamed(values[1]);
       const std::string& key = names_.key(survey_.candidates()[i]);
       const bool of_eye = isWordOf(kEyeNames, key);
       const auto a = parseNumber(values[0]), b = parseNumber(values[1]);
-      if (first && second && *first != *second) {
+      const bool sides = first && second && *first != *second;
+      if (sides && (of_eye || alternates(survey_, i))) {
         groups_.eyes[*first] = values[0];
         groups_.eyes[*second] = values[1];
       } else if (of_eye && a && b && std::abs(*a - *b) == 1.0) {

@@ -295,20 +295,16 @@ void RowTimes::settle(bool at_end) {
       throw *first_repeat_;
     }
   }
-  for (std::size_t i = 0; i < held_.size(); ++i) {
-    const bool copy = !spread_ && i > 0 && held_[i].time_s == held_[i - 1].time_s;
-    if (!copy) emit(held_[i]);
-  }
-  if (!spread_ && newest_ && !held_.empty() && newest_->time_s == held_.back().time_s) {
-    newest_.reset();
-  }
+  for (GazeSample& sample : held_) emit(sample);
   held_.clear();
 }
 
+/// A copy has the time of the latest one.
 /// @param sample  its time is in the file's unit
 void RowTimes::emit(GazeSample& sample) {
   if (spread_) sample.time_s = spread_->time(sample.time_s);
   sample.time_s *= layout_.time_scale_s;
+  if (emitted_s_ == sample.time_s) return;
   if (emitted_s_ && intervals_s_.size() < kMaxHeld) {
     intervals_s_.push_back(sample.time_s - *emitted_s_);
   }

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
+#include "gaze/sources/swift_number.h"
 
 namespace foci {
 namespace {
@@ -21,7 +22,8 @@ constexpr std::string_view kYs =
 constexpr std::string_view kEyesAxes =
     "EA EYEA AEYE EYEgazeA gazeEYEA gazeAEYE gazepointEYEA gazepointAEYE EYEgazepointA EporA "
     "etgazeEYEA pointofregardEYEA EYEAcoordinate AE EpogA EYEgazepointondisplayareaA EYEeyeA";
-constexpr std::string_view kEyesValidity = "EYEgazepointvalidity validityEYE EYEvalidity Epogv";
+constexpr std::string_view kEyesValidity =
+    "EYEgazepointvalidity validityEYE EYEvalidity EYEgazepointvalid Epogv";
 constexpr std::string_view kEyesPupil =
     "EYEpupildiameter pupildiameterEYE pupilEYE Emappeddiameter Epupildiameter EYEpupilsize "
     "EYEpupil "
@@ -266,9 +268,48 @@ class Recogniser {
           "pupils in the images of the eye cameras (pupil_positions.csv), not gaze: export "
           "gaze_positions.csv from Pupil Player");
     }
+    refuseFixations();
     for (const auto& x : {layout_.x, layout_.eyes[0].x, layout_.eyes[1].x}) {
       if (x) refuseThirdAxis(*x);
     }
+  }
+
+  /// Of fixations, the durations fill most of the time. Of samples, a column of durations has more.
+  void refuseFixations() const {
+    constexpr std::size_t kEnoughRows = 2048, kFewest = 8;
+    constexpr double kMostOf = 0.5, kAllOf = 0.99;
+    const auto duration = find("duration fixationduration fixduration fpogd");
+    if (!duration || !layout_.time) return;
+    double filled = 0.0, first = 0.0, last = 0.0;
+    std::size_t count = 0;
+    rows_.survey(kEnoughRows, [&] {
+      if (std::max(*duration, *layout_.time) >= rows_.size()) return;
+      const auto time = fieldNumber(rows_.text(*layout_.time));
+      const auto lasts = fieldNumber(rows_.text(*duration));
+      if (!time || !lasts) return;
+      if (count++ == 0) first = *time;
+      last = *time;
+      filled += *lasts;
+    });
+    const double time_s = names_.secondsPerUnit(*layout_.time);
+    const double duration_s = names_.secondsPerUnit(*duration);
+    if (time_s > 0.0 && duration_s > 0.0) filled *= duration_s / time_s;
+    if (count < kFewest || filled < kMostOf * (last - first) || filled > kAllOf * (last - first)) {
+      return;
+    }
+    throw rows_.error("the rows are fixations or events, by the column " +
+                      shown(names_.text(*duration)) + ": export the samples of gaze");
+  }
+
+  /// Whether a column has a number other than 0. PsychoPy's z of gaze has none.
+  bool isUsed(std::size_t column) const {
+    constexpr std::size_t kEnoughRows = 2048;
+    bool any = false;
+    rows_.survey(kEnoughRows, [&] {
+      any |= column < rows_.size() && !rows_.isAbsent(column) &&
+             fieldNumber(rows_.text(column)) != 0.0;
+    });
+    return any;
   }
 
   /// Beside x and y, a column of z makes the three a point or a direction in space.
@@ -281,7 +322,7 @@ class Recogniser {
       y[at] = 'y';
       z[at] = 'z';
       const auto column = names_.find(z);
-      if (!column || !names_.find(y) || names_.unit(*column) != unit) continue;
+      if (!column || !names_.find(y) || names_.unit(*column) != unit || !isUsed(*column)) continue;
       throw rows_.error("columns " + shown(names_.text(x)) + " and " + shown(names_.text(*column)) +
                         " are a point or a direction in space, not positions on a screen: name x, "
                         "y and z with gaze.point or gaze.direction, or the positions with gaze.x "

@@ -33,6 +33,7 @@ constexpr std::size_t kMinHeld = 4, kMinHeldWhole = 8;
 constexpr double kMinHeld_s = 0.06, kManyHeld = 0.002, kMoving = 0.8;
 constexpr double kLongGap_s = 60.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
+constexpr double kMaxScreen_px = 8192.0;
 constexpr double kSquare = 1.2;  // pixels are as wide as high, to this factor
 
 double shareOf(std::size_t part, std::size_t all) {
@@ -157,8 +158,9 @@ bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts)
     const bool corner = !at.degrees && at.x[i] == 0.0 && at.y[i] == 0.0;
     const bool off = at.hasScreen() &&
                      (at.x[i] < low.x || at.y[i] < low.y || at.x[i] > high.x || at.y[i] > high.y);
-    const bool negative = !at.degrees && at.x[i] == at.y[i] && at.x[i] < 0.0;
-    if (corner || off || negative) ++counts[{at.x[i], at.y[i]}];
+    const bool beyond =
+        !at.degrees && at.x[i] == at.y[i] && (at.x[i] < 0.0 || at.x[i] > kMaxScreen_px);
+    if (corner || off || beyond) ++counts[{at.x[i], at.y[i]}];
   }
   const auto most =
       std::ranges::max_element(counts, {}, [](const auto& each) { return each.second; });
@@ -235,7 +237,10 @@ void TraceDoubts::addPoint(const GazeSample& sample) {
 }
 
 void TraceDoubts::add(const GazeSample& sample) {
-  if (sample.after_pause) last_s_ = sample.time_s;
+  if (sample.after_pause) {
+    paused_s_ += sample.time_s - last_s_;
+    last_s_ = sample.time_s;
+  }
   addClock(sample.time_s);
   ++samples_;
   if (sample.point_px) addPoint(sample);
@@ -266,7 +271,7 @@ void TraceDoubts::stateRows(Doubts& doubts) const {
                  percent(lost) +
                      " of the samples have no gaze: are gaze.confidence, gaze.blink and "
                      "gaze.missing right?");
-  const double span_s = last_s_ - first_s_;
+  const double span_s = last_s_ - first_s_ - paused_s_;
   const double rate_Hz = static_cast<double>(samples_ - 1) / span_s;
   doubts.add(
       samples_ >= kMinPositions && (rate_Hz < kMinRate_Hz || rate_Hz > kMaxRate_Hz),

@@ -109,7 +109,7 @@ class TraceDoubts {
   std::size_t samples_ = 0, present_ = 0, changes_ = 0;
   std::size_t outside_ = 0;  // gaze in space that meets no screen
   std::size_t away_ = 0;     // lines of sight that lead away from the screen
-  double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0;
+  double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0, paused_s_ = 0.0;
   glm::dvec2 last_px_{0.0};
   bool whole_px_ = true;                       // all positions
   double run_s_ = 0.0, longest_hold_s_ = 0.0;  // when a run of equal positions began

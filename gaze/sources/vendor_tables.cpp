@@ -89,6 +89,10 @@ bool isNeon(Names names, const TablePreamble&) {
   return time && names.unit(*time) == "ns" && names.find("gazex") && names.find("gazey");
 }
 
+void takeIMotions(Names, TableLayout& layout) {
+  if (!layout.missing) layout.missing = -1.0;
+}
+
 /// An eye that is not recorded is at (0, 0), one that is not seen at -32768.
 void takeEyeLinkRelay(Names names, TableLayout& layout) {
   if (!layout.missing) layout.missing = -32768.0;
@@ -170,6 +174,11 @@ const Vendor kVendors[] = {
      .zero_is_absent = true,
      .is = isSmi,
      .more = takeSmi},
+    {.name = "iMotions",
+     .needs = {"etgazeleftx etgazerightx", "etgazelefty etgazerighty"},
+     .units = kPx,
+     .time_scale_s = 1e-3,
+     .more = takeIMotions},
     {.name = "GazeBase",
      .needs = {"n", "x", "y", "val", "dp"},
      .complete = {"xt", "yt", "lab"},

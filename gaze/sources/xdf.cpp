@@ -208,7 +208,8 @@ class XdfFile {
     for (std::size_t i = 0; i < streams_.size(); ++i) {
       const Stream& stream = streams_[i];
       const std::string number = "#" + std::to_string(i + 1);
-      names += (names.empty() ? "" : ", ") + number + " " + shown(stream.name);
+      names += (names.empty() ? "" : ", ") + number + " " + shown(stream.name) +
+               (stream.hasTexts() ? " (texts, not numbers)" : "");
       const bool is = wanted.empty()
                           ? stream.isGaze()
                           : (stream.name == wanted || number == wanted) && stream.hasNumbers();

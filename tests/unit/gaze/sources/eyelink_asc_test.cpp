@@ -110,6 +110,7 @@ TEST(EyeLinkAsc, APauseBetweenBlocksIsNoGapOfTheClock) {
   }
   for (const std::string& warning : trace.warnings) {
     EXPECT_EQ(warning.find("a gap of"), std::string::npos) << warning;
+    EXPECT_EQ(warning.find("samples a second"), std::string::npos) << warning;
   }
 }
 
@@ -209,6 +210,8 @@ TEST(EyeLinkAsc, PrefersGazeCoordinatesAndTakesASizeForALastPixel) {
   EXPECT_EQ(
       read("MSG\t1 GAZE_COORDS 0.00 0.00 1920.00 1080.00\n" + kHead + samples).screen->size_px,
       glm::ivec2(1920, 1080));
+  EXPECT_EQ(read("MSG\t1 DISPLAY_COORDS = 0 0 639 479\n" + samples).screen->size_px,
+            glm::ivec2(640, 480));
   const GazeTrace shifted = read(kHead + "MSG\t6 GAZE_COORDS 10 20 109 119\n" + samples);
   EXPECT_EQ(shifted.screen->size_px, glm::ivec2(100, 100));
   EXPECT_EQ(*shifted.samples[0].point_px, glm::dvec2(5, 5));

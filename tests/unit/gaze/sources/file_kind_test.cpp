@@ -30,7 +30,11 @@ TEST(FileKind, NamesTheFormatAndWhatToDo) {
                {"[\n  {\"x\": 958, \"y\": 542}"sv, "webgazer.json", "WebGazer"},
                {"\x01\x02\0\x03"sv, "i.idf", "SMI's IDF Converter"},
                {"\x82\xa5topic"sv, "gaze.pldata", "Pupil Player"},
-               {"ply\nformat ascii 1.0"sv, "lion.ply", "scene"}};
+               {"ply\nformat ascii 1.0"sv, "lion.ply", "scene"},
+               {"<REC CNT=\"1\" FPOGX=\"0.5\" />\r\n"sv, "open_gaze.xml", "Open Gaze API"},
+               {"version https://git-lfs.github.com/spec/v1\n"sv, "a.csv", "git lfs pull"},
+               {"\n\n<!doctype html>\n"sv, "a.csv", "web page"},
+               {"<HTML>"sv, "a.tsv", "web page"}};
   for (const auto& [start, name, says] : cases) {
     const auto kind = otherFileKind(start, name);
     ASSERT_TRUE(kind) << name;

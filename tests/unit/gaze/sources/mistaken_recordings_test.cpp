@@ -242,6 +242,8 @@ std::vector<Mistake> lossesAndText() {
       {"(0, 0) for loss", saidAbout(table(kXy, coded(0.0))), "gaze.missing"},
       {"-1 for loss", saidAbout(table(kXy, coded(-1.0))), "gaze.missing"},
       {"-32768 for loss", saidAbout(table(kXy, coded(-32768.0))), "gaze.missing = -32768"},
+      {"9999 for loss, no screen", saidAbout(table(kXy, coded(9999.0)), {}, {}),
+       "gaze.missing = 9999"},
       {"-1 for the left eye", saidAbout(table(eyes, oneEye(-1.0, 20))), "gaze.missing = -1"},
       {"(0, 0) for the left eye", saidAbout(table(eyes, oneEye(0.0, 20))), "of the left eye"},
       {"(0, 0) for the left eye at times", saidAbout(table(eyes, oneEye(0.0, 2))),

@@ -132,6 +132,24 @@ TEST(RowGroups, OneRowForEachEyeIsOneSampleOfBoth) {
   }
 }
 
+TEST(RowGroups, RowsOfBothEyesTogetherAreLeftOut) {
+  std::string text = "time_s,eye,x_px,y_px\n";
+  for (int i = 0; i < kSamples; ++i) {
+    for (const char* eye : {"L", "R", "B"}) text += row(i / kRate_Hz, eye, gazeX(i), 300.0);
+  }
+  const GazeTrace trace = read(text);
+  EXPECT_EQ(trace.format, "CSV, binocular");
+  EXPECT_EQ(trace.samples.size(), kSamples);
+}
+
+TEST(RowGroups, TheSideOfAStimulusIsNoEye) {
+  std::string text = "time_s,target,x_px,y_px\n";
+  for (int i = 0; i < kSamples; ++i) {
+    text += row(i / kRate_Hz, i / 60 % 2 == 0 ? "left" : "right", gazeX(i), 300.0);
+  }
+  EXPECT_EQ(read(text).format, "CSV");
+}
+
 TEST(RowGroups, EyesMeasuredInTurnAreSamplesOfTheirOwn) {
   std::string text = "time_s,eye_id,x_px,y_px\n";
   for (int i = 0; i < kSamples; ++i) {
@@ -216,6 +234,13 @@ TEST(RowGroups, NamesThatAreNotEnoughAreRefused) {
               std::string::npos)
         << header;
   }
+  // PsychoPy's third axis has no values.
+  for (const char* z : {"0", "0.0", "nan", ""}) {
+    const std::string end = std::string(z) + "\n";
+    const GazeTrace trace =
+        read("time_s,left_gaze_x,left_gaze_y,left_gaze_z\n0,100,50," + end + "0.01,110,60," + end);
+    EXPECT_EQ(trace.samples[1].eyes[0].point_px, glm::dvec2(110, 60)) << z;
+  }
 }
 
 TEST(RowGroups, ValidityOfPyGazesTobiiTablesIsOneForValid) {
@@ -248,6 +273,14 @@ TEST(RowOrder, CopiesAreDroppedAndSwappedNeighboursSorted) {
   ASSERT_EQ(trace.warnings.size(), 2u);
   EXPECT_NE(trace.warnings[0].find("2 rows are exact copies"), std::string::npos);
   EXPECT_NE(trace.warnings[1].find("sorted by time"), std::string::npos);
+}
+
+TEST(RowOrder, RowsThatComeThreeTimesCountOnce) {
+  std::string text = "time_s,x_px,y_px\n";
+  for (int i = 0; i < 900; ++i) {
+    text += std::to_string(i / 3 * 0.01) + "," + std::to_string(500 + i / 3) + ",300\n";
+  }
+  EXPECT_EQ(read(text).samples.size(), 300u);
 }
 
 TEST(RowOrder, ResetsJumpsAndDisorderAreToldApart) {

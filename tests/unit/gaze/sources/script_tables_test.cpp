@@ -93,8 +93,8 @@ TEST(ScriptTable, IMotionsHasBothEyesBelowItsPreamble) {
       ScratchFile("#INFO,\n#Study name,Test\n#DATA,\nRow,Timestamp,ET_GazeLeftx,ET_GazeLefty,"
                   "ET_GazeRightx,ET_GazeRighty\n1,1000,100,50,110,60\n2,1010,-1,-1,110,60\n")
           .path(),
-      {.missing = -1.0}, {});
-  EXPECT_EQ(trace.format, "CSV, binocular");
+      {}, {});
+  EXPECT_EQ(trace.format, "iMotions, binocular");
   expectPoint(trace.samples[0].point_px, 105, 55);
   EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
   EXPECT_DOUBLE_EQ(trace.samples[1].time_s, 1.01);
@@ -114,7 +114,8 @@ TEST(ScriptTable, AColumnNamedGazeComesBeforeAPlainOne) {
 }
 
 TEST(ScriptTable, NaNAsWindowsPrintsItIsDataLoss) {
-  for (const std::string word : {"-nan", "-nan(ind)", "nan(IND)", "1.#QNAN", "-1.#IND", "NULL"}) {
+  for (const std::string word :
+       {"-nan", "-nan(ind)", "nan(IND)", "1.#QNAN", "-1.#IND", "NULL", "#N/A"}) {
     const GazeTrace trace = readTrace(
         ScratchFile("time_s,x_px,y_px\n0,1,2\n0.01," + word + "," + word + "\n").path(), {}, {});
     EXPECT_FALSE(trace.samples[1].point_px) << word;

@@ -334,6 +334,33 @@ TEST(VendorExport, TablesOfOtherThingsAreNamed) {
   says("Time,X,Y\n10:22:00,3,4\n10:22:00,3,5\n", "a finer clock with gaze.time");
 }
 
+TEST(VendorExport, TittaWritesValidityAsAWord) {
+  const GazeTrace trace =
+      readTrace(ScratchFile("system_time_stamp\tleft_gaze_point_on_display_area_x\t"
+                            "left_gaze_point_on_display_area_y\tleft_gaze_point_valid\n"
+                            "1000\t0.5\t0.25\tTrue\n2000\t0.5\t0.25\tFalse\n")
+                    .path(),
+                {.time = "system_time_stamp"}, {.size_px = {1000, 800}});
+  expectPoint(trace.samples[0].point_px, 500, 200);
+  EXPECT_FALSE(trace.samples[1].point_px);
+}
+
+TEST(VendorExport, ATableOfFixationsIsRefusedAlsoIfItHasTimes) {
+  for (const char* header :
+       {"TIME,FPOGX,FPOGY,FPOGD,BPOGX,BPOGY", "time,gaze_x,gaze_y,duration,a,b"}) {
+    std::string fixations = std::string(header) + "\n", samples = fixations;
+    for (int i = 0; i < 600; ++i) {
+      const std::string place = ",0." + std::to_string(200 + i % 7) + ",0.4,";
+      fixations +=
+          std::to_string(0.5 * i) + place + std::to_string(0.4 + 0.01 * (i % 9)) + ",0.3,0.4\n";
+      samples += std::to_string(i / 60.0) + place + std::to_string(i % 24 / 60.0) + ",0.3,0.4\n";
+    }
+    const TraceColumns fractions{.units = GazeUnits::normalised};
+    EXPECT_NE(refusal(fixations, fractions).find("fixations or events"), std::string::npos);
+    EXPECT_EQ(refusal(samples, fractions), "not refused");
+  }
+}
+
 TEST(VendorExport, GlassesThatAreNotWornHaveNoGaze) {
   const GazeTrace trace =
       readTrace(ScratchFile("section id,recording id,timestamp [ns],gaze x [px],gaze y [px],worn\n"

@@ -237,7 +237,8 @@ TEST(Xdf, StreamsOfOneNameHaveNumbers) {
   for (const char* stream : {"", "Tracker"}) {
     const std::string refusal = refusalBy([&] { readBytes(file, {.stream = stream}); });
     EXPECT_NE(refusal.find("gaze.stream"), std::string::npos) << refusal;
-    EXPECT_NE(refusal.find("#1 \"Tracker\", #2 \"Events\", #3 \"Tracker\""), std::string::npos)
+    EXPECT_NE(refusal.find("#1 \"Tracker\", #2 \"Events\" (texts, not numbers), #3 \"Tracker\""),
+              std::string::npos)
         << refusal;
   }
   EXPECT_EQ(readBytes(file, {.stream = "#1"}).samples.size(), 200u);
@@ -364,10 +365,12 @@ TEST(Xdf, RefusesWhatIsNoRecording) {
   const std::string head = gazeHeader();
   std::string channels = head + gazeChunk(trueTimes(100));
   channels.replace(channels.find("<channel_count>2<"), 17, "<channel_count>9<");
+  const std::string texts = "XDF:" + header(7, "Tracker", "Gaze", "string", kPoint, 2, kRate_Hz);
   std::string short_chunk =
       head + chunk(3, bytesOfNumber(std::uint32_t{7}) + "\x01\x09\x08") + gazeChunk(trueTimes(100));
   const std::pair<std::string, const char*> cases[] = {
       {"XDF:", "no streams"},
+      {texts, "\"Tracker\" (texts, not numbers)"},
       {channels, "a sample without a time"},
       {short_chunk, "ends too early"},
       {head + chunk(3, bytesOfNumber(std::uint32_t{5}) + "\x01\x01"), "before the header"},
