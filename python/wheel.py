@@ -24,6 +24,8 @@ OF_THE_SYSTEM = re.compile(r"(ld-linux-x86-64|lib(c|m|dl|rt|pthread|util|resolv|
 
 
 def output(*command):
+    if not shutil.which(command[0]):
+        sys.exit(f"{command[0]} is not there: apt-get install patchelf binutils")
     return subprocess.run([str(c) for c in command], check=True, capture_output=True, text=True).stdout
 
 

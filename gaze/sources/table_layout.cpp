@@ -3,6 +3,7 @@
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
@@ -274,29 +275,34 @@ class Recogniser {
     }
   }
 
-  /// Of fixations, the durations fill most of the time. Of samples, a column of durations has more.
+  /// Of fixations, the durations differ and fill most of the time. Those of samples are equal, or
+  /// count from the start of a fixation and fill more.
   void refuseFixations() const {
     constexpr std::size_t kEnoughRows = 2048, kFewest = 8;
-    constexpr double kMostOf = 0.5, kAllOf = 0.99;
+    constexpr double kMostOf = 0.5, kAllOf = 0.99, kAlike = 0.1;
     const auto duration = find("duration fixationduration fixduration fpogd");
     if (!duration || !layout_.time) return;
-    double filled = 0.0, first = 0.0, last = 0.0;
-    std::size_t count = 0;
+    double filled = 0.0, first = 0.0, last = 0.0, first_lasts = 0.0;
+    std::size_t count = 0, alike = 0;
     rows_.survey(kEnoughRows, [&] {
       if (std::max(*duration, *layout_.time) >= rows_.size()) return;
       const auto time = fieldNumber(rows_.text(*layout_.time));
       const auto lasts = fieldNumber(rows_.text(*duration));
       if (!time || !lasts) return;
-      if (count++ == 0) first = *time;
+      if (count++ == 0) {
+        first = *time;
+        first_lasts = *lasts;
+      }
       last = *time;
+      alike += std::abs(*lasts - first_lasts) <= kAlike * first_lasts;
       filled += *lasts;
     });
     const double time_s = names_.secondsPerUnit(*layout_.time);
     const double duration_s = names_.secondsPerUnit(*duration);
     if (time_s > 0.0 && duration_s > 0.0) filled *= duration_s / time_s;
-    if (count < kFewest || filled < kMostOf * (last - first) || filled > kAllOf * (last - first)) {
-      return;
-    }
+    const double span = last - first;
+    if (count < kFewest || 2 * alike > count) return;
+    if (filled < kMostOf * span || filled > kAllOf * span) return;
     throw rows_.error("the rows are fixations or events, by the column " +
                       shown(names_.text(*duration)) + ": export the samples of gaze");
   }

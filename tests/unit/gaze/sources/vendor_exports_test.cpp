@@ -348,16 +348,20 @@ TEST(VendorExport, TittaWritesValidityAsAWord) {
 TEST(VendorExport, ATableOfFixationsIsRefusedAlsoIfItHasTimes) {
   for (const char* header :
        {"TIME,FPOGX,FPOGY,FPOGD,BPOGX,BPOGY", "time,gaze_x,gaze_y,duration,a,b"}) {
-    std::string fixations = std::string(header) + "\n", samples = fixations;
+    std::string fixations = std::string(header) + "\n", samples = fixations, of_frames = fixations;
     for (int i = 0; i < 600; ++i) {
-      const std::string place = ",0." + std::to_string(200 + i % 7) + ",0.4,";
-      fixations +=
-          std::to_string(0.5 * i) + place + std::to_string(0.4 + 0.01 * (i % 9)) + ",0.3,0.4\n";
-      samples += std::to_string(i / 60.0) + place + std::to_string(i % 24 / 60.0) + ",0.3,0.4\n";
+      const auto row = [&](double time_s, double duration_s) {
+        return std::to_string(time_s) + ",0." + std::to_string(200 + i % 7) + ",0.4," +
+               std::to_string(duration_s) + ",0.3,0.4\n";
+      };
+      fixations += row(0.5 * i, 0.15 + 0.04 * (i % 9));
+      samples += row(i / 60.0, i % 24 / 60.0);
+      of_frames += row(i / 60.0 + (i < 300 ? 0.0 : 5.0), 1.0 / 60.0);  // a pause
     }
     const TraceColumns fractions{.units = GazeUnits::normalised};
     EXPECT_NE(refusal(fixations, fractions).find("fixations or events"), std::string::npos);
     EXPECT_EQ(refusal(samples, fractions), "not refused");
+    EXPECT_EQ(refusal(of_frames, fractions), "not refused");
   }
 }
 
