@@ -61,7 +61,8 @@ std::uint64_t Refiner::done() const {
 }
 
 std::optional<Refiner::Step> Refiner::next() const {
-  if (!wanted_.empty() && !(prepared_ && prepared_->sameViews(wanted_.front()))) {
+  if (!wanted_.empty() && wanted_.front().hasTimeBudget() &&
+      !(prepared_ && prepared_->sameViews(wanted_.front()))) {
     return Step{.request = wanted_.front(), .prepares = true};
   }
   for (const RenderRequest& request : wanted_) {
