@@ -153,6 +153,7 @@ TEST_F(LiveHeadset, ARecordReplaysToTheSameFrames) {
   const FakeOpenXr fake("real jumps late=7");
   scratch.write("scene.ply", squarePly({0.0, 0.0, -2.0}, 3.0, 40));
   stand({0.0, 0.0, 0.0}, kAhead);
+  study.output.marker = true;
   const fs::path folder = scratch.path() / "record";
   std::string refused;
   const auto frames = run(40, folder, [&](LiveRenderer& renderer) {
@@ -173,6 +174,18 @@ TEST_F(LiveHeadset, ARecordReplaysToTheSameFrames) {
     }
     last_s = *frame->timing.display_s;
   }
+  // The eyes see the gaze marker, in its own colour.
+  const std::string log = fake.log();
+  const ShownImage image(
+      fake.read("shown-" + std::to_string(std::atoi(&log[log.rfind("frame ") + 6])) + ".ppm"));
+  int ring = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      ring += image.at(x, y, 0) == 255 && std::abs(image.at(x, y, 1) - 214) < 2 &&
+              image.at(x, y, 2) == 10;
+    }
+  }
+  EXPECT_GT(ring, 100);
   // The head stays within 0.1 m of its centre.
   EXPECT_NEAR(frames.front()->record.eye_m.x, 0.0, 0.2);
   EXPECT_NEAR(frames.back()->record.eye_m.x, 0.5, 0.2);
