@@ -83,11 +83,12 @@ OutsideView::OutsideView(OutsideScene&& scene, const LivePose& camera)
 
 void OutsideView::update(const glm::ivec2& size_px) {
   if (asked_) {
-    const auto rendered = refiner_.take(request_);
+    auto rendered = refiner_.take(request_);
     if (!rendered) return;  // a newer request would cancel it
     asked_ = false;
     view_ = request_.eyes[0].eye.view;
     image_ = std::make_shared<const Image>(imageOf(rendered->frame));
+    refiner_.reuse(std::move(*rendered));
   }
   const LivePose& pose = camera_.pose();
   View view = viewOfCamera(eyeFromWorld(pose.position_m(), pose.look_at_m(), pose.up()), size_px,

@@ -55,6 +55,11 @@ std::optional<RenderedFrame> Refiner::take(const RenderRequest& request) {
   return rendered;
 }
 
+void Refiner::reuse(RenderedFrame&& rendered) {
+  const std::lock_guard lock(mutex_);
+  if (!rendered.on_gpu) spare_ = std::move(rendered);
+}
+
 std::uint64_t Refiner::done() const {
   const std::lock_guard lock(mutex_);
   return done_;
@@ -97,6 +102,7 @@ void Refiner::run(const std::stop_token& stop) {
   // The frame loop goes first. If the system does not allow that, both share the cores.
   yieldToOtherThreads();
   tbb::task_arena arena(static_cast<int>(threads_), 1, tbb::task_arena::priority::low);
+  RenderedFrame rendered;
   while (!stop.stop_requested()) {
     Step step;
     {
@@ -106,7 +112,6 @@ void Refiner::run(const std::stop_token& stop) {
       work_->context.reset();
       work_->busy = true;
     }
-    RenderedFrame rendered;
     bool completed = false;
     arena.execute([&] { completed = carryOut(step, rendered); });
     const std::lock_guard lock(mutex_);
@@ -116,7 +121,7 @@ void Refiner::run(const std::stop_token& stop) {
     if (step.prepares) {
       prepared_ = step.request;
     } else if (isWanted(step)) {
-      rendered_.push_back(std::move(rendered));
+      rendered_.push_back(std::exchange(rendered, std::exchange(spare_, {})));
     }
   }
 }

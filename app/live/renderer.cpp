@@ -549,7 +549,8 @@ bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& recor
   const bool news = refined != std::exchange(refined_, refined);
   if (session_->hasFullQuality(request)) return same;
   if (auto rendered = refiner_->take(request)) {
-    session_->adopt(request, std::move(*rendered));
+    session_->adopt(request, *rendered);
+    refiner_->reuse(std::move(*rendered));
     return false;
   }
   return same && !news && alike_ >= kAlike;

@@ -15,6 +15,7 @@
 #include "app/live/renderer.h"
 #include "app/replay/replay.h"
 #include "app/study/study.h"
+#include "app/window/window.h"
 #include "base/input_error.h"
 #include "tests/fake_openxr/environment.h"
 #include "tests/fake_openxr/fake_openxr.h"
@@ -224,6 +225,15 @@ TEST_F(LiveHeadset, SaysThatThereIsNoGazeUnlessTheHeadReplacesIt) {
   const Screen& screen = source.screen;
   const glm::dvec2 share = *samples[0].point_px / glm::dvec2(screen.size_px);
   EXPECT_NEAR(share.x, 0.5, 0.02);  // its fields are 50 and 51 degrees
+}
+
+TEST(Area, AHeadsViewKeepsItsShapeInTheMiddleOfAnyWindow) {
+  const Area wide = Area::inside({1920, 1080}, {400, 300});
+  EXPECT_EQ(wide.size_px, glm::ivec2(1440, 1080));
+  EXPECT_EQ(wide.corner_px, glm::ivec2(240, 0));
+  const Area high = Area::inside({600, 900}, {400, 300});
+  EXPECT_EQ(high.size_px, glm::ivec2(600, 450));
+  EXPECT_EQ(high.corner_px, glm::ivec2(0, 225));
 }
 
 TEST(HeadInScene, TheCentredHeadStandsAtTheStudysEyeAndFacesWhereItLooks) {
