@@ -250,7 +250,8 @@ void LiveWindow::draw() {
     in_texture_ = frame_->plain.get();
     texture_->set(in_texture_->size_px, in_texture_->rgb.data());
   }
-  if (!window_->begin(glm::vec3(0.0f))) leaving_ = true;
+  const bool has_panels = panel_ || help_ || showsTimeline();
+  if (!window_->begin(glm::vec3(0.0f), has_panels)) leaving_ = true;
   const LiveState state = renderer_->state();
   if (frame_) showFrame(state.study.display.kind == DisplayKind::headset);
   const double now_s = clock_.now_s();

@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfloat>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -261,7 +262,7 @@ double Window::refresh_Hz() const {
   return mode && mode->refreshRate > 0 ? mode->refreshRate : 60.0;
 }
 
-bool Window::begin(const glm::vec3& background) {
+bool Window::begin(const glm::vec3& background, bool has_panels) {
   glfwPollEvents();
   if (glfwWindowShouldClose(window_)) return false;
   const glm::ivec2 size_px = frameBufferSize_px();
@@ -269,7 +270,14 @@ bool Window::begin(const glm::vec3& background) {
   glClearColor(background.r, background.g, background.b, 1.0f);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
+  ImGuiIO& io = ImGui::GetIO();
+  if (has_panels) {
+    ImGui_ImplGlfw_NewFrame();
+  } else {
+    io.DisplaySize = {static_cast<float>(size_px_.x), static_cast<float>(size_px_.y)};
+    io.MousePos = {-FLT_MAX, -FLT_MAX};
+    std::ranges::fill(io.MouseDown, false);
+  }
   ImGui::NewFrame();
   return true;
 }

@@ -42,7 +42,8 @@ class Window {
 
   /// Starts a frame: handles events and clears the window. @return false after the window was
   /// closed
-  bool begin(const glm::vec3& background);
+  /// @param has_panels  false: no item of Dear ImGui needs mouse and keys, which take time to read
+  bool begin(const glm::vec3& background, bool has_panels = true);
   /// Executes the frame's Dear ImGui commands and shows the frame.
   void end();
 
