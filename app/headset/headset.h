@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
 #include "render/gl/device.h"
