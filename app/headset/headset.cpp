@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -294,6 +295,30 @@ void Headset::Parts::makeChain(const glm::ivec2& size_px) {
 }
 
 /// Rows of the picture start at the top, rows of a swapchain's image at the bottom.
+namespace {
+
+/// A ring of small squares, which need no shader.
+void drawGazeRing(const glm::dvec2& at_px, int height_px, bool broken) {
+  constexpr int kSquares = 64, kArc = 4;
+  const double radius_px = std::max(10.0, height_px / 36.0);
+  const int half_px = std::max(1, height_px / 720);
+  glEnable(GL_SCISSOR_TEST);
+  for (const bool under : {true, false}) {
+    under ? glClearColor(0.0f, 0.0f, 0.0f, 1.0f) : glClearColor(1.0f, 0.84f, 0.04f, 1.0f);
+    const int reach_px = half_px + (under ? 1 : 0);
+    for (int i = 0; i < kSquares; ++i) {
+      if (broken && i / kArc % 2 == 1) continue;
+      const double angle_rad = glm::two_pi<double>() * i / kSquares;
+      const glm::ivec2 px(at_px + radius_px * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad)));
+      glScissor(px.x - reach_px, height_px - px.y - reach_px, 2 * reach_px, 2 * reach_px);
+      glClear(GL_COLOR_BUFFER_BIT);
+    }
+  }
+  glDisable(GL_SCISSOR_TEST);
+}
+
+}  // namespace
+
 void Headset::Parts::draw(const HeadsetPicture& picture) {
   const auto& [width, height] = std::pair(picture.size_px.x, picture.size_px.y);
   if (chain == XR_NULL_HANDLE || chain_px != picture.size_px) makeChain(picture.size_px);
@@ -325,6 +350,7 @@ void Headset::Parts::draw(const HeadsetPicture& picture) {
   glDisable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_SCISSOR_TEST);
   glBlitFramebuffer(0, 0, width, height, 0, height, width, 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  for (const glm::dvec2& at_px : picture.markers_px) drawGazeRing(at_px, height, !picture.fixates);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glFlush();
   const auto release = xrOf<XrSwapchainImageReleaseInfo>(XR_TYPE_SWAPCHAIN_IMAGE_RELEASE_INFO);

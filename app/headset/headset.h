@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
 #include "render/gl/device.h"
@@ -43,8 +44,10 @@ struct HeadsetPicture {
   unsigned texture = 0;                ///< 8 bits a channel; 0: `rgb`
   const unsigned char* rgb = nullptr;  ///< rows without padding
   glm::ivec2 size_px{0};
-  HeadInWorld head{};  ///< in the local frame, as rendered
-  HeadsetEyes eyes{};  ///< as rendered
+  std::vector<glm::dvec2> markers_px{};  ///< gaze markers, which the picture lacks
+  bool fixates = false;                  ///< else their rings are broken
+  HeadInWorld head{};                    ///< in the local frame, as rendered
+  HeadsetEyes eyes{};                    ///< as rendered
 };
 
 struct HeadsetGaze {

@@ -7,6 +7,7 @@
 
 #include "app/live/pose.h"
 #include "app/live/renderer.h"
+#include "app/record/gaze_marker.h"
 #include "base/input_error.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/scene/surfel_cloud.h"
@@ -218,13 +219,16 @@ void HeadsetDisplay::show(const HeadsetTick& tick, std::shared_ptr<LiveFrame> fr
     if (tick.shows) ++repeats_;
     return;
   }
-  HeadsetPicture picture{
-      .size_px = {}, .head = frame->head->in_room, .eyes = frame->head->displays};
+  HeadsetPicture picture{.size_px = {},
+                         .markers_px = frame->markers_px,
+                         .fixates = isFixating(frame->record),
+                         .head = frame->head->in_room,
+                         .eyes = frame->head->displays};
   if (frame->texture) {
     picture.texture = frame->texture->beginShow();
     picture.size_px = frame->texture->size_px();
   } else {
-    const Image& image = *frame->image.get();
+    const Image& image = *frame->plain.get();
     picture.rgb = image.rgb.data();
     picture.size_px = image.size_px;
   }

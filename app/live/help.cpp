@@ -24,6 +24,7 @@ constexpr HelpLine kKeys[] = {
     {"M  G", "show the gaze; hold it where it is"},
     {"H", "left half sharp"},
     {"C", "foveated rendering"},
+    {"X", "the scene from outside: head, path, line of sight, fixations"},
     {"V", "view: mono, side by side, top and bottom, anaglyph"},
     {"N", "next method"},
     {"W A S D", "walk; with shift four times as fast"},

@@ -11,6 +11,7 @@
 
 #include "app/live/headset_display.h"
 #include "app/live/options.h"
+#include "app/live/outside.h"
 #include "app/live/panel.h"
 #include "app/live/pose.h"
 #include "app/live/record.h"
@@ -39,7 +40,8 @@ class LiveWindow {
   void takeFrames();
   void requireRecord();
   void draw();
-  void showFrame();
+  void showFrame(bool keeps_shape);
+  void showOutside();
   void shown(double swap_s);
   void toggleRecord();
   void screenshot();
@@ -49,6 +51,8 @@ class LiveWindow {
   // window_input.cpp
   void point();
   Drag dragNow() const;
+  LiveSteering* steering();
+  glm::dvec2 onScreen_px(const glm::dvec2& at_px) const;
   bool keys();
   void key(int key);
   bool keyOfPlayer(int key);
@@ -61,6 +65,7 @@ class LiveWindow {
   void toggle(const char* name, bool now) { changeAndSay(name, now ? "false" : "true"); }
   void play(PlayerStep step);
   void placeObject();
+  void toggleOutside();
   void holdGaze();
   void restoreView(bool first);
 
@@ -73,6 +78,10 @@ class LiveWindow {
   std::atomic<bool> open_ = false;
   std::optional<Window> window_;
   std::optional<Texture> texture_;
+  std::shared_ptr<const Image> in_texture_;
+  Area area_;  // that shows the frame
+  std::optional<Texture> outside_texture_;
+  std::shared_ptr<const Image> in_outside_texture_;
   std::optional<HeadsetDisplay> headset_;
   std::optional<GazeFeed> feed_;
   std::optional<LiveRenderer> renderer_;
@@ -93,6 +102,9 @@ class LiveWindow {
   double steered_s_ = 0.0, used_s_ = -kNotice_s;  // the latest look at the keys; use of the player
   std::future<std::string> sent_;                 // the pose
   std::future<void> saving_;
+  std::future<OutsideScene> outside_scene_;
+  std::unique_ptr<OutsideView> outside_;  // null: the window shows the frames alone
+  ObserverTrail trail_;
   std::function<LiveNext(const std::filesystem::path& file, const Study& now)> open_file_;
   std::future<LiveNext> next_;
   std::optional<RemoteSocket> socket_;  // last: its threads call the others

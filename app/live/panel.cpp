@@ -119,13 +119,18 @@ void eyeControls(const KeyItems& items, const PanelContent& content) {
   items.check("chromatic aberration", observer.chromatic, "observer.chromatic");
 }
 
-void displayControls(const KeyItems& items) {
+void displayControls(const KeyItems& items, const PanelContent& content) {
   const Study& study = items.study();
   items.combo("view", studyWord(study.output.view), studyWords<StereoView>(), "output.view");
   if (study.output.view != StereoView::mono) {
     items.slide("IPD, mm", study.observer.ipd_mm, 50.0, 75.0, "observer.ipd_mm");
   }
   items.check("left half sharp", study.output.split, "output.split");
+  bool outside = content.outside;
+  if (ImGui::Checkbox("scene from outside", &outside)) items.controls().show_outside();
+  if (ImGui::IsItemHovered()) {
+    ImGui::SetTooltip("key X: the head, its path, the line of sight and the fixations");
+  }
   if (study.eye.position_m && !study.eye.recorded) {
     const glm::dvec3 &eye = *study.eye.position_m, &at = *study.eye.look_at_m;
     ImGui::TextWrapped("eye at %.3g, %.3g, %.3g m, looks at %.3g, %.3g, %.3g", eye.x, eye.y, eye.z,
@@ -206,6 +211,10 @@ void qualityControls(const KeyItems& items, const PanelContent& content) {
                      content.summary.sample_to_swap.quantile_ms(0.5),
                      content.summary.sample_to_swap.quantile_ms(0.95),
                      static_cast<unsigned long long>(content.summary.repeated));
+  if (const Durations& display = content.summary.sample_to_display; display.count() > 0) {
+    ImGui::TextWrapped("%.1f ms old when the headset shows it (95 %%: %.1f)",
+                       display.quantile_ms(0.5), display.quantile_ms(0.95));
+  }
   if (content.frame && content.frame->record.stats.gpu) {
     ImGui::TextWrapped("GPU, ms: %s", stageText(*content.frame->record.stats.gpu).c_str());
   }
@@ -283,7 +292,7 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, float 
     ImGui::PushItemWidth(font * kItem * em);
     const KeyItems items(study, controls);
     if (group("Eye")) eyeControls(items, content);
-    if (group("Display")) displayControls(items);
+    if (group("Display")) displayControls(items, content);
     if (group("Gaze")) gazeControls(items, content);
     if (group("Record")) recordControls(content, controls);
     if (group("Quality", false)) qualityControls(items, content);
@@ -330,48 +339,6 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
   if (first)
     noticeAt(x, area.y - lower_px - 2.0f * ImGui::GetFontSize(), kQuiet,
              "F1: panel    ?: keys    Escape: leave");
-}
-
-void drawSyncPatch(int side_px, int level) {
-  const ImVec2 area = ImGui::GetIO().DisplaySize;
-  const auto side = static_cast<float>(side_px);
-  const int code = 255 * level / (kSyncLevels - 1);
-  ImGui::GetForegroundDrawList()->AddRectFilled({area.x - side, area.y - side}, area,
-                                                IM_COL32(code, code, code, 255));
-}
-
-void drawObjects(const std::vector<glm::dvec2>& ends_px, const glm::ivec2& image_px) {
-  const ImVec2 area = ImGui::GetIO().DisplaySize;
-  const glm::vec2 scale = glm::vec2(area.x, area.y) / glm::vec2(image_px);
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  for (std::size_t i = 0; i + 1 < ends_px.size(); i += 2) {
-    const glm::vec2 from = scale * glm::vec2(ends_px[i]), to = scale * glm::vec2(ends_px[i + 1]);
-    list.AddLine({from.x, from.y}, {to.x, to.y}, kVeil, 3.0f);
-    list.AddLine({from.x, from.y}, {to.x, to.y}, kWarning, 1.0f);
-  }
-}
-
-void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,
-                   const glm::ivec2& image_px) {
-  const ImVec2 area = ImGui::GetIO().DisplaySize;
-  const glm::vec2 scale = glm::vec2(area.x, area.y) / glm::vec2(image_px);
-  const float radius = std::max(10.0f, static_cast<float>(image_px.y) / 36.0f) * scale.y;
-  const float width = std::max(2.0f, std::floor(static_cast<float>(image_px.y) / 360.0f)) * scale.y;
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const int arcs = broken ? 8 : 1;
-  constexpr float kTurn_rad = 6.2831853f;
-  const float arc_rad = broken ? kTurn_rad / 16.0f : kTurn_rad;
-  for (const glm::dvec2& point_px : points_px) {
-    const glm::vec2 at = glm::vec2(point_px) * scale;
-    for (const auto& [colour, wide] : {std::pair{IM_COL32(0, 0, 0, 255), 2.0f * width + 1.0f},
-                                       std::pair{IM_COL32(255, 214, 10, 255), width}}) {
-      for (int arc = 0; arc < arcs; ++arc) {
-        const float from_rad = kTurn_rad * static_cast<float>(arc) / static_cast<float>(arcs);
-        list.PathArcTo({at.x, at.y}, radius, from_rad, from_rad + arc_rad);
-        list.PathStroke(colour, 0, wide);
-      }
-    }
-  }
 }
 
 }  // namespace foci

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "app/live/options.h"
+#include "app/live/outside.h"
 #include "app/live/pose.h"
 #include "app/live/renderer.h"
+#include "app/window/window.h"
 
 namespace foci {
 
@@ -36,14 +38,14 @@ class FrameGraph {
 struct LiveControls {
   std::function<void(const std::string& key, const std::string& toml)> change;
   std::function<void(std::vector<NamedShape> objects)> set_objects;
-  std::function<void()> toggle_record, screenshot, add_marker, hold_gaze, save_study;
+  std::function<void()> toggle_record, screenshot, add_marker, hold_gaze, save_study, show_outside;
 };
 
 struct PanelContent {
   const LiveState& state;
   const LiveFrame* frame;  ///< shown last; null before the first
   std::string source;      ///< status of the gaze source
-  bool holds_gaze;
+  bool holds_gaze, outside;
   const FrameGraph& graph;
   const LiveSummary& summary;
   double now_s;
@@ -63,11 +65,20 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
                  float lower_px);
 
 /// Draws gaze markers behind everything, as `drawGazeMarkers` does in an image.
+/// @param area  in the middle of the window, that shows the image
 void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,
-                   const glm::ivec2& image_px);
+                   const glm::ivec2& image_px, const Area& area);
+
+/// Draws the observer over the outside view, behind panels.
+/// @param path_m  of a recorded head, all of it; empty: the trail's
+/// @param view    of the outside image, which fills the window
+/// @param inset   in the upper right corner, stays free
+void drawObserver(const ObserverTrail& trail, const std::vector<glm::dvec3>& path_m,
+                  const FrameRecord& now, const View& view, const Area& inset);
 
 /// Draws the study's objects behind everything.
-void drawObjects(const std::vector<glm::dvec2>& ends_px, const glm::ivec2& image_px);
+void drawObjects(const std::vector<glm::dvec2>& ends_px, const glm::ivec2& image_px,
+                 const Area& area);
 
 /// Draws the patch for a photodiode in the lower right corner.
 /// @param level  0 (black) to 3 (white)

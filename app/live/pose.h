@@ -35,6 +35,7 @@ class LivePose {
 
   const glm::dvec3& position_m() const { return position_m_; }
   const glm::dvec3& look_at_m() const { return look_at_m_; }
+  const glm::dvec3& up() const { return up_; }
   double away_m() const { return glm::length(look_at_m_ - position_m_); }
 
  private:

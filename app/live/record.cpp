@@ -33,6 +33,7 @@ Study studyOfRecord(Study study, double rate_Hz) {
     study.eye.position_m = glm::dvec3(pose[3]);
     study.eye.look_at_m = glm::dvec3(pose[3] - pose[2]);
     study.eye.up = glm::dvec3(pose[1]);
+    study.eye.path.clear();
   }
   study.output.seconds.reset();
   study.remote = {};

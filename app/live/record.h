@@ -66,9 +66,9 @@ struct LiveHead {
 
 struct LiveFrame {
   FrameRecord record;
-  std::shared_ptr<GpuTexture> texture;  ///< shows the frame; null: `image` does
-  LaterImage image;                     ///< invalid where only the texture is needed
-  std::vector<glm::dvec2> markers_px;   ///< gaze markers, which the image has and the texture lacks
+  std::shared_ptr<GpuTexture> texture;  ///< shows the frame; null: `plain` does
+  LaterImage plain, image;              ///< invalid where only the texture is needed
+  std::vector<glm::dvec2> markers_px;   ///< gaze markers, which `image` has and the others lack
   std::vector<glm::dvec2> lines_px{};   ///< of the study's objects: two ends each; not in the image
   std::shared_ptr<RenderedFrame> on_gpu;  ///< what the texture was made of, for the renderer alone
   FrameTiming timing;

@@ -55,13 +55,19 @@ std::optional<RenderedFrame> Refiner::take(const RenderRequest& request) {
   return rendered;
 }
 
+void Refiner::reuse(RenderedFrame&& rendered) {
+  const std::lock_guard lock(mutex_);
+  if (!rendered.on_gpu) spare_ = std::move(rendered);
+}
+
 std::uint64_t Refiner::done() const {
   const std::lock_guard lock(mutex_);
   return done_;
 }
 
 std::optional<Refiner::Step> Refiner::next() const {
-  if (!wanted_.empty() && !(prepared_ && prepared_->sameViews(wanted_.front()))) {
+  if (!wanted_.empty() && wanted_.front().hasTimeBudget() &&
+      !(prepared_ && prepared_->sameViews(wanted_.front()))) {
     return Step{.request = wanted_.front(), .prepares = true};
   }
   for (const RenderRequest& request : wanted_) {
@@ -96,6 +102,7 @@ void Refiner::run(const std::stop_token& stop) {
   // The frame loop goes first. If the system does not allow that, both share the cores.
   yieldToOtherThreads();
   tbb::task_arena arena(static_cast<int>(threads_), 1, tbb::task_arena::priority::low);
+  RenderedFrame rendered;
   while (!stop.stop_requested()) {
     Step step;
     {
@@ -105,7 +112,6 @@ void Refiner::run(const std::stop_token& stop) {
       work_->context.reset();
       work_->busy = true;
     }
-    RenderedFrame rendered;
     bool completed = false;
     arena.execute([&] { completed = carryOut(step, rendered); });
     const std::lock_guard lock(mutex_);
@@ -115,7 +121,7 @@ void Refiner::run(const std::stop_token& stop) {
     if (step.prepares) {
       prepared_ = step.request;
     } else if (isWanted(step)) {
-      rendered_.push_back(std::move(rendered));
+      rendered_.push_back(std::exchange(rendered, std::exchange(spare_, {})));
     }
   }
 }

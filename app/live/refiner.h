@@ -29,6 +29,9 @@ class Refiner {
   /// The frame of a wanted request, once it is rendered.
   std::optional<RenderedFrame> take(const RenderRequest& request);
 
+  /// The next frame is rendered into this one's memory: a new one costs the system milliseconds.
+  void reuse(RenderedFrame&& rendered);
+
   /// How many steps have been completed: views prepared, frames rendered.
   std::uint64_t done() const;
 
@@ -51,6 +54,7 @@ class Refiner {
   std::condition_variable_any changed_;
   std::vector<RenderRequest> wanted_;
   std::vector<RenderedFrame> rendered_;  // wanted ones
+  RenderedFrame spare_;
   std::optional<RenderRequest> prepared_;
   Step step_;  // in work, or done last
   std::uint64_t done_ = 0;

@@ -41,7 +41,7 @@ std::string sceneName(const Study& study) {
                           : "the scene " + study.scene.builtin;
 }
 
-/// The image with the frame's gaze markers, made where the image is.
+/// The image with the frame's gaze markers, made by the first thread that needs it.
 LaterImage marked(const LaterImage& plain, const LiveFrame& frame) {
   if (frame.markers_px.empty()) return plain;
   const auto draw = [plain, points_px = frame.markers_px, record = frame.record] {
@@ -49,9 +49,7 @@ LaterImage marked(const LaterImage& plain, const LiveFrame& frame) {
     drawGazeMarkers(points_px, record, *image);
     return std::shared_ptr<const Image>(std::move(image));
   };
-  LaterImage image = std::async(std::launch::deferred, draw).share();
-  if (!frame.texture) image.wait();
-  return image;
+  return std::async(std::launch::deferred, draw).share();
 }
 
 }  // namespace
@@ -238,6 +236,19 @@ std::future<LaterImage> LiveRenderer::pixelsOf(std::shared_ptr<const LiveFrame> 
         marked(readyImage(imageOf(frame->on_gpu->frame, study_.screen.gamma)), *frame));
   });
   return image;
+}
+
+std::future<OutsideScene> LiveRenderer::outside() {
+  const auto answer = std::make_shared<std::promise<OutsideScene>>();
+  post([this, answer] {
+    RenderRequest request = session_->requestOf(textOf(QualityLevel::sharp), last_);
+    request.stereo = StereoView::mono;
+    request.split = false;
+    request.eyes.resize(1);
+    answer->set_value(
+        {session_->cloneRenderer(), std::move(request), std::max(threads_, 2u) - 1, last_});
+  });
+  return answer->get_future();
 }
 
 double LiveRenderer::addMarker(const std::string& text) {
@@ -538,7 +549,8 @@ bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& recor
   const bool news = refined != std::exchange(refined_, refined);
   if (session_->hasFullQuality(request)) return same;
   if (auto rendered = refiner_->take(request)) {
-    session_->adopt(request, std::move(*rendered));
+    session_->adopt(request, *rendered);
+    refiner_->reuse(std::move(*rendered));
     return false;
   }
   return same && !news && alike_ >= kAlike;
@@ -602,6 +614,7 @@ void LiveRenderer::fill(LiveFrame& frame, RenderedFrame& rendered) {
   frame.texture = texture_;
   frame.on_gpu = on_gpu_;
   if (study_.output.marker) frame.markers_px = session_->gazePoints_px(frame.record);
+  frame.plain = plain_;
   if (plain_.valid()) frame.image = marked(plain_, frame);
   if (study_.scene.objects.empty()) return;
   std::vector<glm::vec3> ends_m;

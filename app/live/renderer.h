@@ -48,6 +48,14 @@ struct LiveState {
 /// @param study  which may have moved the observer
 using LiveHeadAt = std::function<LiveHead(const Study& study, double time_s)>;
 
+/// What renders the scene beside the frame loop.
+struct OutsideScene {
+  FrameRenderer renderer;
+  RenderRequest request;  ///< for any view of one eye, without blur
+  unsigned threads = 1;
+  FrameRecord last;  ///< the newest frame's
+};
+
 class LiveRenderer {
  public:
   /// @param ready    called from the thread when a frame lies ready, or the thread has failed
@@ -80,6 +88,7 @@ class LiveRenderer {
   std::future<std::string> setObjects(std::vector<NamedShape> objects);
   /// Writes the study, with all changes that were asked for before.
   std::future<std::string> saveStudy(const std::filesystem::path& file);
+  std::future<OutsideScene> outside();
   /// Sets an event marker. @return its time
   double addMarker(const std::string& text);
 

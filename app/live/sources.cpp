@@ -7,6 +7,7 @@
 #include "app/study/gaze_calibration.h"
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
+#include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/webcam/webcam_calibration.h"
@@ -105,16 +106,21 @@ void openSocket(const std::string& name, NamedSource& named) {
 }
 
 /// From here on the samples have the place of the eye in the scene as their head, and their points
-/// are on the study's screen, which the head takes with it.
+/// are on the study's screen, which the head takes with it. A study's path is such a head.
 /// @return the head at a time of the recording's clock; empty: there is none
 std::function<HeadInWorld(double recording_s)> followRecordedHead(const Study& study,
                                                                   GazeTrace& trace,
                                                                   NamedSource& named) {
   Study moved = withRecordedHead(study, trace);
-  if (!moved.eye.recorded) return {};
+  if (moved.eye.recorded) {
+    moved.eye.path.clear();
+  } else if (!moved.eye.path.empty()) {
+    moved.eye.recorded = eyePathOf(moved);
+  } else {
+    return {};
+  }
   moved.eye.position_m.reset();
   moved.eye.look_at_m.reset();
-  moved.eye.path.clear();
   named.study = std::move(moved);
   for (const std::string& remark : headRemarks(*named.study, trace)) {
     named.warnings.add(study.gaze.source, remark);
@@ -125,6 +131,10 @@ std::function<HeadInWorld(double recording_s)> followRecordedHead(const Study& s
     return HeadInWorld{.position_m = glm::dvec3(pose[3]),
                        .world_from_head = glm::normalize(glm::quat_cast(glm::dmat3(pose)))};
   };
+  constexpr double kPathStep_s = 0.05;  // of the path that is shown
+  for (double at_s = first_s; at_s <= trace.samples.back().time_s; at_s += kPathStep_s) {
+    named.playback.path_m.push_back(headAt(at_s).position_m);
+  }
   const Screen from = std::exchange(named.screen, named.study->screenInForce());
   for (GazeSample& sample : trace.samples) {
     if (sample.head) sample.head = headAt(sample.time_s);

@@ -23,6 +23,7 @@ struct Playback {
   std::vector<TraceMarker> markers;
   /// The head in the scene at a time of the player's clock; empty: the study places the eye.
   std::function<HeadInWorld(double time_s)> head = {};
+  std::vector<glm::dvec3> path_m = {};  ///< of the head, in the scene
 };
 
 struct NamedSource {
@@ -36,7 +37,8 @@ struct NamedSource {
   /// no eyes. Other sources have none.
   std::function<bool(const glm::dvec2& point_px)> lookedAt = {};
   Playback playback = {};
-  std::optional<Study> study = {};  ///< with the recording's head and display, if it has a head
+  /// With the recording's head and display, or the study's `eye.path`, on the recording's clock.
+  std::optional<Study> study = {};
 };
 
 /// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; lsl[:NAME]; socket[:RATE];

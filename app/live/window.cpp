@@ -48,7 +48,8 @@ void LiveWindow::openWindow(const Study& study, const LiveOptions& options) {
   std::optional<glm::ivec2> size_px;
   if (options.headset) {
     size_px = glm::ivec2(kMirror_px);
-  } else if (study.eye.recorded) {  // a headset's field has not the shape of a monitor
+  } else if (study.display.kind ==
+             DisplayKind::headset) {  // a headset's field has not the shape of a monitor
     const glm::dvec2 image_px(study.imageSize_px());
     size_px = glm::ivec2(kMirror_px / std::max(image_px.x, image_px.y) * image_px);
   } else if (options.window) {
@@ -93,7 +94,8 @@ LiveWindow::LiveWindow(const Study& asked, const LiveOptions& options,
                .screenshot = [this] { screenshot(); },
                .add_marker = [this] { renderer_->addMarker("panel"); },
                .hold_gaze = [this] { holdGaze(); },
-               .save_study = [this] { renderer_->saveStudy(unusedName(".toml")); }};
+               .save_study = [this] { renderer_->saveStudy(unusedName(".toml")); },
+               .show_outside = [this] { toggleOutside(); }};
   NamedSource source =
       headset_ ? headset_->gaze(study, screen_) : openLiveSource(options.source, study);
   LiveHeadAt head;
@@ -133,7 +135,7 @@ LiveSummary LiveWindow::run() {
   noteInterrupts();
   draw();
   while (!leaving_ && !isInterrupted()) {
-    const bool animated = panel_ || help_ || !frame_ || showsTimeline();
+    const bool animated = panel_ || help_ || outside_ || !frame_ || showsTimeline();
     const double wait_s = animated ? kPanel_s : kIdle_s;
     const double until_s = std::min(last_swap_s_ + wait_s - clock_.now_s(), 0.1);
     if (!window_->wait(moves_ || steered_ ? std::min(until_s, kSteer_s) : until_s)) break;
@@ -244,13 +246,14 @@ void LiveWindow::screenshot() {
 }
 
 void LiveWindow::draw() {
-  if (is_new_ && !frame_->texture) {
-    const Image& image = *frame_->image.get();
-    texture_->set(image.size_px, image.rgb.data());
+  if (frame_ && !frame_->texture && in_texture_ != frame_->plain.get()) {
+    in_texture_ = frame_->plain.get();
+    texture_->set(in_texture_->size_px, in_texture_->rgb.data());
   }
-  if (!window_->begin(glm::vec3(0.0f))) leaving_ = true;
-  if (frame_) showFrame();
+  const bool has_panels = panel_ || help_ || showsTimeline();
+  if (!window_->begin(glm::vec3(0.0f), has_panels)) leaving_ = true;
   const LiveState state = renderer_->state();
+  if (frame_) showFrame(state.study.display.kind == DisplayKind::headset);
   const double now_s = clock_.now_s();
   if (state.notice != notice_) {
     notice_ = state.notice;
@@ -260,13 +263,10 @@ void LiveWindow::draw() {
                              .frame = frame_.get(),
                              .source = feed_->status(),
                              .holds_gaze = feed_->holds(),
+                             .outside = outside_ != nullptr,
                              .graph = graph_,
                              .summary = summary_,
                              .now_s = now_s};
-  if (panel_ && frame_ && !headset_) {
-    drawObjects(frame_->lines_px,
-                frame_->texture ? frame_->texture->size_px() : frame_->image.get()->size_px);
-  }
   float lower_px = 0.0f;
   if (showsTimeline()) lower_px = drawTimeline(*feed_->player(), feed_->playback());
   if (lower_px > 0.0f && ImGui::IsAnyItemActive()) used_s_ = now_s;
@@ -285,18 +285,49 @@ void LiveWindow::draw() {
   is_new_ = false;
 }
 
-void LiveWindow::showFrame() {
-  const glm::ivec2 size_px = window_->frameBufferSize_px();
-  const int views = headset_ ? 2 : 1;
-  if (!frame_->texture) {
-    texture_->fill(size_px, views);
-    return;
+/// The scene from outside, behind the frame.
+void LiveWindow::showOutside() {
+  if (outside_scene_.valid() &&
+      outside_scene_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    OutsideScene scene = outside_scene_.get();
+    const LivePose camera = cameraBehind(scene.last, renderer_->state().study.eye.up);
+    outside_ = std::make_unique<OutsideView>(std::move(scene), camera);
   }
-  GpuTexture& on_gpu = *frame_->texture;
-  texture_->fillFrom(on_gpu.beginShow(), on_gpu.size_px(), size_px, views);
-  on_gpu.endShow();
-  drawGazeRings(frame_->markers_px, !isFixating(frame_->record),
-                on_gpu.size_px() / glm::ivec2(views, 1));
+  if (!outside_) return;
+  const glm::ivec2 window_px = window_->frameBufferSize_px();
+  outside_->update(window_px);
+  const auto& image = outside_->image();
+  if (!image) return;
+  if (in_outside_texture_ != image) {
+    if (!outside_texture_) outside_texture_.emplace();
+    outside_texture_->set(image->size_px, image->rgb.data());
+    in_outside_texture_ = image;
+  }
+  outside_texture_->fill({.size_px = window_px});
+  constexpr int kInset = 4;  // of the window's width; chosen by hand
+  const int wide_px = window_px.x / kInset;
+  area_ = {{window_px.x - wide_px, 0}, {wide_px, wide_px * area_.size_px.y / area_.size_px.x}};
+  drawObserver(trail_, feed_->playback().path_m, frame_->record, outside_->view(), area_);
+}
+
+/// Fills the window, or its corner above the outside view. A headset's view keeps its shape. On a
+/// screen the image is the study's whole screen.
+void LiveWindow::showFrame(bool keeps_shape) {
+  const int views = headset_ ? 2 : 1;
+  GpuTexture* const on_gpu = frame_->texture.get();
+  const glm::ivec2 image_px = on_gpu ? on_gpu->size_px() : in_texture_->size_px;
+  const glm::ivec2 view_px = image_px / glm::ivec2(views, 1);
+  const glm::ivec2 window_px = window_->frameBufferSize_px();
+  area_ = keeps_shape ? Area::inside(window_px, view_px) : Area{.size_px = window_px};
+  showOutside();
+  if (on_gpu) {
+    texture_->fillFrom(on_gpu->beginShow(), image_px, area_, views);
+    on_gpu->endShow();
+  } else {
+    texture_->fill(area_, views);
+  }
+  drawGazeRings(frame_->markers_px, !isFixating(frame_->record), view_px, area_);
+  if (panel_ && !headset_) drawObjects(frame_->lines_px, image_px, area_);
 }
 
 /// Counts the frame that has just been shown, and gives it to the record.
@@ -323,6 +354,7 @@ void LiveWindow::shown(double swap_s) {
     if (timing.display_s)
       summary_.sample_to_display.add(1e3 * (*timing.display_s - *timing.sample_s));
   }
+  trail_.add(frame_->record, screen_);
   summary_.landings.add(frame_->record, timing.state_s, timing.in_full, swap_s);
   graph_.add(sample_ms, render_ms, 1e3 * (swap_s - timing.render_end_s));
   // The first frame after a record closes it.

@@ -26,6 +26,11 @@ std::string nextOf(const Names& names, std::string_view now) {
   return quoted(names[0]);
 }
 
+bool isOver(const glm::dvec2& point_px, const Screen& screen) {
+  return glm::all(glm::greaterThanEqual(point_px, glm::dvec2(0.0))) &&
+         glm::all(glm::lessThan(point_px, glm::dvec2(screen.size_px)));
+}
+
 /// A key that walks while it is down.
 struct WalkKey {
   int key;
@@ -50,11 +55,17 @@ constexpr std::array kWalkKeys{
 
 }  // namespace
 
+/// A point of the window on the study's screen.
+glm::dvec2 LiveWindow::onScreen_px(const glm::dvec2& at_px) const {
+  const glm::dvec2 size_px = frame_ ? glm::dvec2(area_.size_px) : window_->size_px();
+  return (at_px - glm::dvec2(area_.corner_px)) / size_px * glm::dvec2(screen_.size_px);
+}
+
 /// Tells the gaze source where the mouse is, and where it clicks.
 void LiveWindow::point() {
   const bool in_scene = !ImGui::GetIO().WantCaptureMouse;
   const glm::dvec2 at_px = window_->cursor_px();
-  const glm::dvec2 on_screen_px = at_px / window_->size_px() * glm::dvec2(screen_.size_px);
+  const glm::dvec2 on_screen_px = onScreen_px(at_px);
   const bool clicks = window_->leftButton() && in_scene;
   if (clicks && !clicked_ && window_->hovered()) pressed_px_ = at_px;
   if ((clicks || clicked_) && glm::distance(at_px, pressed_px_) > kClick_px) orbits_ = true;
@@ -68,8 +79,8 @@ void LiveWindow::point() {
   clicked_ = clicks;
   if (!window_->hovered()) {
     feed_->pointTo(std::nullopt);
-  } else if (in_scene && dragNow() == Drag::none) {
-    feed_->pointTo(on_screen_px);
+  } else if (in_scene && dragNow() == Drag::none && (!outside_ || isOver(on_screen_px, screen_))) {
+    feed_->pointTo(on_screen_px);  // over the outside view gaze stays where it is
   }
 }
 
@@ -95,6 +106,12 @@ glm::dvec3 LiveWindow::walkOf(const std::vector<int>& pressed) const {
   return glm::clamp(walk, -1.0, 1.0);
 }
 
+/// What keys and mouse move: the outside camera, the eye, or nothing.
+LiveSteering* LiveWindow::steering() {
+  if (outside_) return &outside_->camera();
+  return steering_ ? &*steering_ : nullptr;
+}
+
 /// Moves the eye as keys and mouse say.
 void LiveWindow::steer(const std::vector<int>& pressed) {
   constexpr double kFirst_s = 0.01, kMaxPassed_s = 0.05;  // a short press is a step
@@ -111,8 +128,9 @@ void LiveWindow::steer(const std::vector<int>& pressed) {
       .passed_s = moves_ ? std::min(now_s - steered_s_, kMaxPassed_s) : kFirst_s};
   steered_s_ = now_s;
   moves_ = input.walk != glm::dvec3(0.0);
-  if (steering_) {
-    steered_ |= steering_->steer(input, renderer_->state().scene_m, now_s);
+  if (LiveSteering* const steering = this->steering()) {
+    const bool moved = steering->steer(input, renderer_->state().scene_m, now_s);
+    steered_ |= moved && !outside_;
   } else if (moves_ || input.wheel != 0.0) {
     tellWhatMoves();
   }
@@ -121,8 +139,8 @@ void LiveWindow::steer(const std::vector<int>& pressed) {
 
 /// Why keys and mouse do not move the eye.
 void LiveWindow::tellWhatMoves() {
-  renderer_->tell(feed_->playback().head ? "the recording's head moves the eye"
-                                         : "the study moves the eye (eye.path)");
+  renderer_->tell(renderer_->state().study.eye.path.empty() ? "the recording's head moves the eye"
+                                                            : "the study moves the eye (eye.path)");
 }
 
 /// Gives the pose to the renderer, once it has the last one.
@@ -138,15 +156,16 @@ void LiveWindow::sendPose() {
 /// Back to the first view, or to that before the last change.
 void LiveWindow::restoreView(bool first) {
   if (headset_ && first) headset_->recentre();
-  if (!steering_) {
+  LiveSteering* const steering = this->steering();
+  if (!steering) {
     tellWhatMoves();
   } else if (first) {
-    steering_->reset(clock_.now_s());
+    steering->reset(clock_.now_s());
     renderer_->tell("the view is where it began");
-    steered_ = true;
-  } else if (steering_->undo()) {
+    steered_ = !outside_;
+  } else if (steering->undo()) {
     renderer_->tell("the view is as it was before");
-    steered_ = true;
+    steered_ = !outside_;
   } else {
     renderer_->tell("no earlier view to go back to");
   }
@@ -251,6 +270,9 @@ void LiveWindow::key(int key) {
         changeAndSay("render.method", nextOf(state.methods, study.render.method));
       }
       break;
+    case GLFW_KEY_X:
+      toggleOutside();
+      break;
     case GLFW_KEY_R:
       toggleRecord();
       break;
@@ -276,6 +298,18 @@ void LiveWindow::key(int key) {
   }
 }
 
+void LiveWindow::toggleOutside() {
+  if (!frame_ || outside_scene_.valid()) return;
+  if (outside_) {
+    outside_.reset();
+    in_outside_texture_.reset();
+    renderer_->tell("what the eye sees");
+  } else {
+    outside_scene_ = renderer_->outside();
+    renderer_->tell("the scene from outside: drag and keys move its camera");
+  }
+}
+
 /// Gaze stays where it is, or follows its source again. A record has this as an event marker.
 void LiveWindow::holdGaze() {
   const bool held = feed_->holds();
@@ -295,7 +329,7 @@ void LiveWindow::placeObject() {
                              : "no surface under the pointer");
     return;
   }
-  renderer_->placeObject(window_->cursor_px() / window_->size_px() * glm::dvec2(screen_.size_px));
+  renderer_->placeObject(onScreen_px(window_->cursor_px()));
   panel_ = true;
 }
 

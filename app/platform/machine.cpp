@@ -1,9 +1,7 @@
 #include "app/platform/machine.h"
 
 #include <sched.h>
-#include <sys/resource.h>
 #include <sys/utsname.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -110,10 +108,8 @@ OneCore::~OneCore() {
 }
 
 void yieldToOtherThreads() {
-  constexpr int kNice = 10;  // setpriority(2)
   const sched_param usual{};
-  (void)sched_setscheduler(0, SCHED_BATCH, &usual);
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  (void)sched_setscheduler(0, SCHED_IDLE, &usual);
 }
 
 }  // namespace foci

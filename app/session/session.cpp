@@ -463,8 +463,8 @@ RenderedFrame& Session::renderKept(const RenderRequest& request, FrameRecord& re
   return last_;
 }
 
-void Session::adopt(const RenderRequest& request, RenderedFrame&& rendered) {
-  last_ = std::move(rendered);
+void Session::adopt(const RenderRequest& request, RenderedFrame& rendered) {
+  std::swap(last_, rendered);
   last_.request = request;
   full_quality_ = true;
   returned_ = passed_ = false;

@@ -100,8 +100,9 @@ class Session {
     return full_quality_ && last_.request == request;
   }
 
-  /// Takes a frame that was rendered elsewhere, at full quality, for the next render of `request`.
-  void adopt(const RenderRequest& request, RenderedFrame&& rendered);
+  /// Takes a frame that was rendered elsewhere, at full quality, for the next render of `request`,
+  /// and gives the last one for it.
+  void adopt(const RenderRequest& request, RenderedFrame& rendered);
 
   /// A renderer of the session's scene, for another thread.
   FrameRenderer cloneRenderer() const { return renderer_.cloneSharingScene(); }

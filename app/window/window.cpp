@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfloat>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -176,22 +177,41 @@ std::unique_ptr<GpuContext> Window::sharedContext() {
 }
 
 void Window::listen() {
+  static constexpr auto of = [](GLFWwindow* window) -> Window& {
+    return *static_cast<Window*>(glfwGetWindowUserPointer(window));
+  };
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
     if (action == GLFW_RELEASE) return;
-    auto& here = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    Window& here = of(window);
     here.repeats_ = action == GLFW_REPEAT;
     if (!here.repeats_ || std::ranges::count(kRepeating, key) > 0) here.keys_.push_back(key);
   });
   glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned typed) {
-    auto& here = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    Window& here = of(window);
     if (!here.repeats_) here.typed_.push_back(typed);
   });
-  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double up) {
-    static_cast<Window*>(glfwGetWindowUserPointer(window))->wheel_ += up;
+  glfwSetScrollCallback(window_,
+                        [](GLFWwindow* window, double, double up) { of(window).wheel_ += up; });
+  glfwSetWindowSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
+    of(window).size_px_ = {width, height};
   });
+  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
+    of(window).frame_buffer_px_ = {width, height};
+  });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+    of(window).cursor_px_ = {x, y};
+  });
+  glfwSetCursorEnterCallback(
+      window_, [](GLFWwindow* window, int entered) { of(window).hovered_ = entered == GLFW_TRUE; });
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  size_px_ = {width, height};
+  glfwGetFramebufferSize(window_, &frame_buffer_px_.x, &frame_buffer_px_.y);
+  glfwGetCursorPos(window_, &cursor_px_.x, &cursor_px_.y);
+  hovered_ = glfwGetWindowAttrib(window_, GLFW_HOVERED) != 0;
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
-    auto& dropped = static_cast<Window*>(glfwGetWindowUserPointer(window))->dropped_;
+    auto& dropped = of(window).dropped_;
     dropped.insert(dropped.end(), paths, paths + count);
   });
 }
@@ -242,7 +262,7 @@ double Window::refresh_Hz() const {
   return mode && mode->refreshRate > 0 ? mode->refreshRate : 60.0;
 }
 
-bool Window::begin(const glm::vec3& background) {
+bool Window::begin(const glm::vec3& background, bool has_panels) {
   glfwPollEvents();
   if (glfwWindowShouldClose(window_)) return false;
   const glm::ivec2 size_px = frameBufferSize_px();
@@ -250,7 +270,14 @@ bool Window::begin(const glm::vec3& background) {
   glClearColor(background.r, background.g, background.b, 1.0f);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
+  ImGuiIO& io = ImGui::GetIO();
+  if (has_panels) {
+    ImGui_ImplGlfw_NewFrame();
+  } else {
+    io.DisplaySize = {static_cast<float>(size_px_.x), static_cast<float>(size_px_.y)};
+    io.MousePos = {-FLT_MAX, -FLT_MAX};
+    std::ranges::fill(io.MouseDown, false);
+  }
   ImGui::NewFrame();
   return true;
 }
@@ -261,27 +288,7 @@ void Window::end() {
   glfwSwapBuffers(window_);
 }
 
-glm::dvec2 Window::size_px() const {
-  int width = 0, height = 0;
-  glfwGetWindowSize(window_, &width, &height);
-  return {width, height};
-}
-
 void Window::resize(const glm::ivec2& size_px) { glfwSetWindowSize(window_, size_px.x, size_px.y); }
-
-glm::ivec2 Window::frameBufferSize_px() const {
-  glm::ivec2 size_px;
-  glfwGetFramebufferSize(window_, &size_px.x, &size_px.y);
-  return size_px;
-}
-
-glm::dvec2 Window::cursor_px() const {
-  glm::dvec2 at;
-  glfwGetCursorPos(window_, &at.x, &at.y);
-  return at;
-}
-
-bool Window::hovered() const { return glfwGetWindowAttrib(window_, GLFW_HOVERED) != 0; }
 
 double Window::time_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
@@ -325,19 +332,27 @@ void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, size_px.x, size_px.y, 0, kOrder, kType, bgra_.data());
 }
 
-void Texture::fill(const glm::ivec2& size_px, int views) {
-  fillFrom(id_, size_px_, size_px, views);
+Area Area::inside(const glm::ivec2& frame_buffer_px, const glm::ivec2& shape_px) {
+  const glm::dvec2 ratio = glm::dvec2(frame_buffer_px) / glm::dvec2(shape_px);
+  const glm::ivec2 size_px(glm::round(std::min(ratio.x, ratio.y) * glm::dvec2(shape_px)));
+  return {(frame_buffer_px - size_px) / 2, size_px};
 }
 
-void Texture::fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px,
+void Texture::fill(const Area& area, int views) { fillFrom(id_, size_px_, area, views); }
+
+void Texture::fillFrom(unsigned texture, const glm::ivec2& texture_px, const Area& area,
                        int views) {
   if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
   // Attached anew each time: another context may have written it.
   glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
   // Rows of the image start at the top, rows of the frame buffer at the bottom.
-  glBlitFramebuffer(0, 0, texture_px.x / views, texture_px.y, 0, size_px.y, size_px.x, 0,
-                    GL_COLOR_BUFFER_BIT, size_px == texture_px ? GL_NEAREST : GL_LINEAR);
+  std::array<GLint, 4> viewport{};  // the frame buffer, as of `begin`
+  glGetIntegerv(GL_VIEWPORT, viewport.data());
+  const glm::ivec2 first = area.corner_px, last = first + area.size_px;
+  glBlitFramebuffer(0, 0, texture_px.x / views, texture_px.y, first.x, viewport[3] - first.y,
+                    last.x, viewport[3] - last.y, GL_COLOR_BUFFER_BIT,
+                    area.size_px == texture_px ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 

@@ -42,7 +42,8 @@ class Window {
 
   /// Starts a frame: handles events and clears the window. @return false after the window was
   /// closed
-  bool begin(const glm::vec3& background);
+  /// @param has_panels  false: no item of Dear ImGui needs mouse and keys, which take time to read
+  bool begin(const glm::vec3& background, bool has_panels = true);
   /// Executes the frame's Dear ImGui commands and shows the frame.
   void end();
 
@@ -61,13 +62,13 @@ class Window {
   /// Files dropped on the window since the last call.
   std::vector<std::filesystem::path> takeDropped();
 
-  glm::dvec2 size_px() const;
+  glm::dvec2 size_px() const { return size_px_; }
   void resize(const glm::ivec2& size_px);
   /// Between the whole monitor and a window.
   void toggleFullScreen();
-  glm::ivec2 frameBufferSize_px() const;
-  glm::dvec2 cursor_px() const;
-  bool hovered() const;  ///< true while the mouse is inside
+  glm::ivec2 frameBufferSize_px() const { return frame_buffer_px_; }
+  glm::dvec2 cursor_px() const { return cursor_px_; }
+  bool hovered() const { return hovered_; }  ///< true while the mouse is inside
   /// Refresh rate that the monitor states; 60 if it states none.
   double refresh_Hz() const;
   double time_s() const;
@@ -86,9 +87,21 @@ class Window {
   std::vector<std::filesystem::path> dropped_;
   bool repeats_ = false;  // the latest key is held down
   double wheel_ = 0.0;
+  // As the latest events say. To ask the X server takes a tenth of a millisecond each time.
+  glm::dvec2 size_px_{0.0}, cursor_px_{0.0};
+  glm::ivec2 frame_buffer_px_{0};
+  bool hovered_ = false;
   glm::ivec4 windowed_px_{60, 60, 1280, 720};  // place and size before the full screen
   GLFWmonitor* monitor_ = nullptr;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// A part of the frame buffer, px. The corner is the upper left one.
+struct Area {
+  glm::ivec2 corner_px{0}, size_px{0};
+
+  /// The largest area of the shape of `shape_px`, in the middle.
+  static Area inside(const glm::ivec2& frame_buffer_px, const glm::ivec2& shape_px);
 };
 
 /// An image on the graphics card, for ImGui::Image. Needs a Window.
@@ -103,13 +116,11 @@ class Texture {
   void set(const glm::ivec2& size_px, const unsigned char* rgb);
   void* id() const;
 
-  /// Fills the window with the image: faster than Dear ImGui, which blends.
-  /// @param size_px  of the window's frame buffer
+  /// Fills an area with the image: faster than Dear ImGui, which blends.
   /// @param views   across the image, of which the window shows the first
-  void fill(const glm::ivec2& size_px, int views = 1);
+  void fill(const Area& area, int views = 1);
   /// The same with another texture, 8 bits a channel, rows from the top.
-  void fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px,
-                int views = 1);
+  void fillFrom(unsigned texture, const glm::ivec2& texture_px, const Area& area, int views = 1);
 
  private:
   unsigned id_ = 0, frame_buffer_ = 0;

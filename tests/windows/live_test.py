@@ -164,6 +164,7 @@ def scrub_a_recording(observer, foci, out):
     observer.screenshot(out + "/live-timeline.png")
     observer.press("j")
     experiment.until(lambda s: at(51.5)(s) and looks(NEAR)(s), "at the first fixation")
+    look_from_outside(observer, experiment, out)
     observer.press("Right")
     experiment.until(at(55.99), "at the end")
     observer.press("Home")
@@ -181,6 +182,29 @@ def scrub_a_recording(observer, foci, out):
     os.remove(saved[0])
     assert eye["position_m"][2] < 1.34, eye  # it began at 1.35
     leave(program, experiment)
+
+
+def look_from_outside(observer, experiment, out):
+    """A second camera shows the scene; the eye's frames stay as they are."""
+    def changed(own):
+        other = b"".join(observer.pixels()[2])
+        return sum(abs(a - b) > 16 for a, b in zip(own, other)) / len(own)
+
+    own, end = b"".join(observer.pixels()[2]), time.time() + 60
+    before = experiment.state()
+    observer.press("x")
+    while changed(own) < 0.3 and time.time() < end:
+        time.sleep(0.1)
+    observer.press("w", 3)  # moves the camera
+    time.sleep(0.5)
+    observer.screenshot(out + "/live-outside.png")
+    assert changed(own) > 0.3
+    after = experiment.state()
+    assert after["gaze_px"] == before["gaze_px"] and abs(after["focus_D"] - before["focus_D"]) < 1e-4, (before, after)
+    observer.press("x")
+    while changed(own) > 0.1 and time.time() < end:
+        time.sleep(0.1)
+    assert changed(own) < 0.1
 
 
 def signs(observer):

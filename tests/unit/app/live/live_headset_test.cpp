@@ -15,6 +15,7 @@
 #include "app/live/renderer.h"
 #include "app/replay/replay.h"
 #include "app/study/study.h"
+#include "app/window/window.h"
 #include "base/input_error.h"
 #include "tests/fake_openxr/environment.h"
 #include "tests/fake_openxr/fake_openxr.h"
@@ -153,6 +154,7 @@ TEST_F(LiveHeadset, ARecordReplaysToTheSameFrames) {
   const FakeOpenXr fake("real jumps late=7");
   scratch.write("scene.ply", squarePly({0.0, 0.0, -2.0}, 3.0, 40));
   stand({0.0, 0.0, 0.0}, kAhead);
+  study.output.marker = true;
   const fs::path folder = scratch.path() / "record";
   std::string refused;
   const auto frames = run(40, folder, [&](LiveRenderer& renderer) {
@@ -173,6 +175,18 @@ TEST_F(LiveHeadset, ARecordReplaysToTheSameFrames) {
     }
     last_s = *frame->timing.display_s;
   }
+  // The eyes see the gaze marker, in its own colour.
+  const std::string log = fake.log();
+  const ShownImage image(
+      fake.read("shown-" + std::to_string(std::atoi(&log[log.rfind("frame ") + 6])) + ".ppm"));
+  int ring = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      ring += image.at(x, y, 0) == 255 && std::abs(image.at(x, y, 1) - 214) < 2 &&
+              image.at(x, y, 2) == 10;
+    }
+  }
+  EXPECT_GT(ring, 100);
   // The head stays within 0.1 m of its centre.
   EXPECT_NEAR(frames.front()->record.eye_m.x, 0.0, 0.2);
   EXPECT_NEAR(frames.back()->record.eye_m.x, 0.5, 0.2);
@@ -211,6 +225,15 @@ TEST_F(LiveHeadset, SaysThatThereIsNoGazeUnlessTheHeadReplacesIt) {
   const Screen& screen = source.screen;
   const glm::dvec2 share = *samples[0].point_px / glm::dvec2(screen.size_px);
   EXPECT_NEAR(share.x, 0.5, 0.02);  // its fields are 50 and 51 degrees
+}
+
+TEST(Area, AHeadsViewKeepsItsShapeInTheMiddleOfAnyWindow) {
+  const Area wide = Area::inside({1920, 1080}, {400, 300});
+  EXPECT_EQ(wide.size_px, glm::ivec2(1440, 1080));
+  EXPECT_EQ(wide.corner_px, glm::ivec2(240, 0));
+  const Area high = Area::inside({600, 900}, {400, 300});
+  EXPECT_EQ(high.size_px, glm::ivec2(600, 450));
+  EXPECT_EQ(high.corner_px, glm::ivec2(0, 225));
 }
 
 TEST(HeadInScene, TheCentredHeadStandsAtTheStudysEyeAndFacesWhereItLooks) {

@@ -387,14 +387,26 @@ TEST_F(Live, ARefinerCancelsWhatIsNoLongerWanted) {
   }
   refiner.want({});
   refiner.want({other, request});
-  std::optional<RenderedFrame> rendered;
-  for (int i = 0; i < 12000 && !rendered; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    rendered = refiner.take(request);
-  }
+  const auto take = [&](const RenderRequest& wanted) {
+    std::optional<RenderedFrame> rendered;
+    for (int i = 0; i < 12000 && !rendered; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      rendered = refiner.take(wanted);
+    }
+    return rendered;
+  };
+  auto rendered = take(request);
   ASSERT_TRUE(rendered.has_value());
   RenderedFrame alone;
   FrameRenderer(cloud).render(request.withoutTimeBudget(), alone);
+  EXPECT_EQ(rendered->frame.rgba, alone.frame.rgba);
+  for (int i = 0; i < 4; ++i) {  // the memory of other frames leaves nothing in the next
+    const RenderRequest& wanted = i % 2 == 0 ? other : request;
+    refiner.reuse(std::move(*rendered));
+    refiner.want({wanted});
+    rendered = take(wanted);
+    ASSERT_TRUE(rendered.has_value());
+  }
   EXPECT_EQ(rendered->frame.rgba, alone.frame.rgba);
 }
 

@@ -175,6 +175,44 @@ TEST_F(Playing, ARecordedHeadMovesTheViewAndARecordOfItReplays) {
   expectSameReplay(folder);
 }
 
+TEST_F(Playing, APathOfTheStudyPausesAndSeeksWithTheRecording) {
+  const fs::path folder = scratch.path() / "record";
+  study.eye.position_m.reset();
+  study.eye.look_at_m.reset();
+  study.eye.path = {{.time_s = 0.0, .position_m = {0, 0, 0}, .look_at_m = {0, 0, -1}, .up = {}},
+                    {.time_s = 10.0, .position_m = {1, 0, 0}, .look_at_m = {1, 0, -1}, .up = {}}};
+  {
+    NamedSource source = openLiveSource("trace:" + farAndNear().string(), study);
+    ASSERT_TRUE(source.study);
+    EXPECT_GT(source.playback.path_m.back().x, 0.99);
+    const Study moved = *source.study;
+    GazeFeed feed(std::move(source), clock);
+    LiveRenderer renderer(
+        moved, feed, clock, "", 1, [] {}, {}, {},
+        [&](const Study&, double time_s) {
+          return LiveHead{.in_scene = feed.playback().head(time_s)};
+        });
+    ASSERT_EQ(renderer.startRecord(folder).get(), "");
+    const auto isAt = [](double x_m) {
+      return [x_m](const FrameRecord& now) { return std::abs(now.eye_m.x - x_m) < 0.02; };
+    };
+    EXPECT_TRUE(watch(renderer, isAt(0.01)));
+    feed.player()->seek(8.0);
+    EXPECT_TRUE(watch(renderer, isAt(0.8)));
+    feed.player()->play(false);
+    feed.player()->seek(2.0);
+    EXPECT_TRUE(watch(renderer, isAt(0.2)));
+    watchFor(renderer, 0.1);
+    EXPECT_EQ(renderer.change("observer.pupil_mm", "6").get(), "");
+    const auto later =
+        watch(renderer, [](const FrameRecord& frame) { return frame.pupil_mm == 6.0; });
+    ASSERT_TRUE(later);
+    EXPECT_NEAR(later->record.eye_m.x, 0.2, 1e-6);  // it has rested
+    EXPECT_EQ(renderer.stopRecord().get(), "");
+  }
+  expectSameReplay(folder);
+}
+
 TEST_F(Playing, AFileThatIsDroppedIsASceneAStudyOrARecordingInTheStudy) {
   study.observer.pupil_mm = 5.0;
   const fs::path recording = farAndNear();
