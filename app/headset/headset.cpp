@@ -294,7 +294,6 @@ void Headset::Parts::makeChain(const glm::ivec2& size_px) {
   chain_px = size_px;
 }
 
-/// Rows of the picture start at the top, rows of a swapchain's image at the bottom.
 namespace {
 
 /// A ring of small squares, which need no shader.
@@ -319,6 +318,7 @@ void drawGazeRing(const glm::dvec2& at_px, int height_px, bool broken) {
 
 }  // namespace
 
+/// Rows of the picture start at the top, rows of a swapchain's image at the bottom.
 void Headset::Parts::draw(const HeadsetPicture& picture) {
   const auto& [width, height] = std::pair(picture.size_px.x, picture.size_px.y);
   if (chain == XR_NULL_HANDLE || chain_px != picture.size_px) makeChain(picture.size_px);
