@@ -63,7 +63,7 @@ class KernelSampler {
     const float which = static_cast<float>(bits & 0xffffff) * kUnit;
     const float u = static_cast<float>((bits >> 24) & 0xffffff) * kUnit;
     // Inverse transform sampling: the distribution function of t^m is t^(m + 1).
-    const float t = which < flat_       ? 1.0f - (1.0f - rim_) * u
+    const float t = which < flat_       ? rim_ + (1.0f - rim_) * u
                     : which < not_bell_ ? rim_ * std::sqrt(u)
                                         : static_cast<float>(std::cbrt(double{u}));
     const glm::vec2 p = std::sqrt(1.0f - t) * directions[bits >> 52];
