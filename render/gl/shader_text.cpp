@@ -80,7 +80,8 @@ std::string sharedConstants() {
          FOCI_SHARED(kHarmonic3a) + FOCI_SHARED(kHarmonic3b) + FOCI_SHARED(kHarmonic3c) +
          FOCI_SHARED(kHarmonic3d) + FOCI_SHARED(kHarmonic3e) + FOCI_SHARED(kKernelShapes) +
          FOCI_SHARED(kMaxExponent) + FOCI_SHARED(kJustNoticeable) + FOCI_SHARED(kLinearBelow) +
-         FOCI_SHARED(kLinearSlope) + FOCI_SHARED(kXyzOfWhite) + FOCI_SHARED(kLabOfCurve);
+         FOCI_SHARED(kLinearSlope) + FOCI_SHARED(kXyzOfWhite) + FOCI_SHARED(kLabOfCurve) +
+         FOCI_SHARED(kLight);
 #undef FOCI_SHARED
 }
 

@@ -5,9 +5,9 @@
 // uniform disc of radius C, of variance (C^2/4) I. Let t = s / C^2, with s the unblurred variance
 // along an axis. The convolution has the variance s + C^2/4 and the kurtosis of the radial kernel
 // (1 - q)^n with n = 24 t (1 + 2 t)  (docs/formulas.md, section 3). A real n would need a power at
-// each pixel. A mixture of the two integer powers around n, on one support, has the same two
-// moments. It takes two multiply-adds and loses nothing by truncation. For n >= 2 the kernel stays
-// at n = 2, a bell of 2.83 standard deviations.
+// each pixel. Up to n = 1, a plateau whose rim falls linearly in q has the same two moments, and
+// nearly the convolution's own rim. From there, a mixture of the powers 1 and 2 has them. For
+// n >= 2 the kernel stays at n = 2, a bell of 2.83 standard deviations.
 //
 // And the limits that every surfel renderer shares: where a kernel ends, when summed kernels make
 // an opaque surface, and when light is too little to matter.
@@ -21,11 +21,15 @@
 
 namespace foci {
 
-/// w(q) = k0 + k1 t + k2 t^2 with t = 1 - q, for 0 <= q < 1, else 0; its integral over the unit
-/// disc q = |x|^2 is 1. `support2` is the squared support radius over the per-axis variance.
+/// w(q) = min(k0, k1 t + k2 t^2) with t = 1 - q, for 0 <= q < 1, else 0; its integral over the unit
+/// disc q = |x|^2 is 1. `k0` is its maximum. `support2` is the squared support radius over the
+/// per-axis variance.
 struct KernelShape {
   float k0, k1, k2;
   float support2;
+
+  /// @param t  in (0, 1]
+  float at(float t) const { return std::min(k0, t * (k1 + t * k2)); }
 };
 
 /// The largest exponent of the table.

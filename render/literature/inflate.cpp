@@ -149,7 +149,7 @@ class InflateMethod final : public Method {
     const float support2 = kernelShape(kMaxExponent).support2;
     const float root_det_q = std::sqrt(splat.qa * splat.qc - 0.25f * splat.qb * splat.qb);
     const float root_det_sharp =
-        (splat.k0 + splat.k1 / 2.0f + splat.k2 / 3.0f) * std::numbers::pi_v<float> / root_det_q;
+        (splat.k1 / 2.0f + splat.k2 / 3.0f) * std::numbers::pi_v<float> / root_det_q;
     const float root_det_blurred = 1.0f / (support2 * root_det_q);
     const float opacity = std::abs(splat.opacity);
     const float per_opacity = opacity > 0.0f ? 1.0f / opacity : 0.0f;

@@ -37,7 +37,7 @@ std::array<glm::vec2, 4096> directionTable() {
   return table;
 }
 
-/// Samples places from a splat's kernel: a mixture of k0, k1 t and k2 t^2 over the ellipse q < 1.
+/// Samples places from a splat's kernel over the ellipse q < 1: its plateau, and k1 t and k2 t^2.
 class KernelSampler {
  public:
   explicit KernelSampler(const Splat& splat) : center_px_(splat.x_px, splat.y_px) {
@@ -45,7 +45,9 @@ class KernelSampler {
     l11_ = std::sqrt(splat.qa);
     l21_ = 0.5f * splat.qb / l11_;
     l22_ = std::sqrt(std::max(splat.qc - l21_ * l21_, 0.0f));
-    const float flat = splat.k0, cone = splat.k1 / 2.0f, bell = splat.k2 / 3.0f;
+    rim_ = std::min(splat.k0 / splat.k1, 1.0f);
+    const float flat = splat.k0 * (1.0f - rim_), cone = splat.k1 * rim_ * rim_ / 2.0f;
+    const float bell = splat.k2 / 3.0f;
     const float sum = flat + cone + bell;
     flat_ = flat / sum;
     not_bell_ = (flat + cone) / sum;
@@ -61,8 +63,8 @@ class KernelSampler {
     const float which = static_cast<float>(bits & 0xffffff) * kUnit;
     const float u = static_cast<float>((bits >> 24) & 0xffffff) * kUnit;
     // Inverse transform sampling: the distribution function of t^m is t^(m + 1).
-    const float t = which < flat_       ? u
-                    : which < not_bell_ ? std::sqrt(u)
+    const float t = which < flat_       ? rim_ + (1.0f - rim_) * u
+                    : which < not_bell_ ? rim_ * std::sqrt(u)
                                         : static_cast<float>(std::cbrt(double{u}));
     const glm::vec2 p = std::sqrt(1.0f - t) * directions[bits >> 52];
     const float y = p.y / l22_;
@@ -72,6 +74,7 @@ class KernelSampler {
  private:
   glm::vec2 center_px_;
   float l11_, l21_, l22_;
+  float rim_;              // t at which the plateau begins
   float flat_, not_bell_;  // cumulative shares of the mixture
   float mass_;
 };

@@ -104,9 +104,7 @@ class RenderedKernel {
     const float q = ((yy + widening) * x * x - 2.0f * xy * x * y + (xx + widening) * y * y) /
                     (det * shape.support2);
     if (q >= 1.0f) return 0.0f;
-    const float t = 1.0f - q;
-    return cosine * cloud.area_m2[j] / (shape.support2 * std::sqrt(det)) *
-           (shape.k0 + t * (shape.k1 + t * shape.k2));
+    return cosine * cloud.area_m2[j] / (shape.support2 * std::sqrt(det)) * shape.at(1.0f - q);
   }
 
  private:

@@ -25,6 +25,11 @@ inline constexpr float kMinTilt = 0.01f;
 /// that peak fully. Chosen by hand.
 inline constexpr float kHighlight = 0.06f;
 
+/// The peak of a light counts by as much more as the light exceeds white, up to this. In coarse
+/// samples a lone disc errs by up to a sixth, and on black that shows (2.3 in L*, the luminance
+/// 0.0025) from a peak of kHighlight / kLight on.
+inline constexpr float kLight = 3.5f;
+
 /// A highlight's samples are closer by this share; samples of splats that acuity softens are this
 /// factor farther apart. Chosen by hand: the errors are finer than the observer resolves.
 inline constexpr float kFiner = 0.6f, kCoarser = 1.4f;

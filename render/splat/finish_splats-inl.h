@@ -119,8 +119,8 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const ProjectedLanes& lanes, 
 /// finer samples. The prefilter of acuity is smooth and allows coarser ones, as far as the
 /// prefilter makes the shape.
 HWY_INLINE float sigmaForSamples(const ProjectedLanes& lanes, std::size_t k, const Splat& splat) {
-  const float peak =
-      (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
+  const float brightest = std::max({splat.red, splat.green, splat.blue});
+  const float peak = splat.k0 * brightest * between(brightest, 1.0f, kLight);
   const float highlight = between((peak - kHighlight) * (1.0f / kHighlight), 0.0f, 1.0f);
   const float all2 = lanes.prefilter[k] + lanes.blur_min2[k];
   const float by_acuity = (lanes.prefilter[k] - 1.0f) / all2;

@@ -13,7 +13,7 @@ namespace foci {
 
 /// One cache line. Let (dx, dy) be the offset from the centre in pixels,
 ///   q = qa dx^2 + qb dx dy + qc dy^2  and  t = 1 - q.
-/// The weight at a pixel centre is k0 + k1 t + k2 t^2 where t > 0, else 0 (kernel.h). Over all
+/// The weight at a pixel centre is min(k0, k1 t + k2 t^2) where t > 0, else 0 (kernel.h). Over all
 /// pixels the weights sum to the surfel's projected area in pixels.
 struct alignas(64) Splat {
   float x_px, y_px;

@@ -186,9 +186,8 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
   /// A splat's weights at t = 1 - q (kernel.h); 0 outside the footprint.
   HWY_INLINE V kernelAt(const Splat& splat, unsigned n, V t, M inside) const {
     const D d;
-    V weight = hn::IfThenElseZero(
-        inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
-                           hn::Set(d, splat.k0)));
+    const V rim = hn::Mul(t, hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)));
+    V weight = hn::IfThenElseZero(inside, hn::Min(hn::Set(d, splat.k0), rim));
     if constexpr (kBlur == Blur::sub_aperture) weight = hn::Mul(weight, hn::Set(d, batch.size[n]));
     return weight;
   }

@@ -115,6 +115,9 @@ TEST(Stability, CrossingLayersLetLightThrough) {
 TEST(Stability, SlantedPlanesKeepTheirImage) {
   EXPECT_GT(scores("slanted", 60.0f)[1], 48.0);
   EXPECT_GT(scores("slanted", 75.0f)[1], 38.0);
+  // Here it sees both sides; `auto` measures its error.
+  StabilityTrial edge_on(sceneNamed("slanted"), 85.0f, kShort);
+  EXPECT_GT(edge_on.score("auto"), 35.0);
 }
 
 TEST(Stability, IrregularSamplesCover) {
@@ -140,8 +143,15 @@ TEST(Stability, AMovingFocusDoesNotPop) {
 TEST(Stability, LightIsNeitherLostNorGained) {
   EXPECT_LT(scores("highlight", 10000.0f)[1], 0.01);
   EXPECT_LT(scores("point-light", 1.0f)[1], 0.01);
+  EXPECT_LT(scores("point-light", 10.0f)[1], 0.02);  // a faint disc
   EXPECT_LT(scores("wire", 0.2f)[1], 0.01);
   EXPECT_LT(scores("transparent", 16.0f)[1], 0.01);
+}
+
+// The rim of a disc is as soft as the reference's.
+TEST(Stability, ADiscHasNoBrightRim) {
+  StabilityTrial disc(sceneNamed("firefly"), 100.0f, kShort);
+  EXPECT_LT(disc.score("sweep"), 0.15);
 }
 
 // foci beats a mean over 0.1 s, which follows noise across the edge; at 250 Hz too, where the mean

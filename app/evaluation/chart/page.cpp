@@ -219,8 +219,9 @@ void writeMethodology(std::ostream& out, const ChartPlan& plan) {
       << plan.views(plan.blurs_px.front()) << " to " << plan.views(plan.blurs_px.back())
       << " pinhole views of the same surfels. This shows errors of blur and visibility. Scene "
          "<code>ball</code> is a mesh: its methods are compared with <code>raytrace:N</code>, rays "
-         "to the mesh's triangles. This shows errors of the surfels too. Its background is light, "
-         "so that leaks in dark parts show. Figures are in linear light with peak 1: PSNR over the "
+         "to the mesh's triangles. This shows errors of the surfels too, which the prediction of "
+         "<code>auto</code> does not include. Its background is light, so that leaks in dark parts "
+         "show. Figures are in linear light with peak 1: PSNR over the "
          "image, PSNR over the pixels "
          "that a step in depth blurs into (silhouettes), SSIM, and the mean difference of "
          "coverage. "

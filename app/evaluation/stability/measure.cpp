@@ -247,7 +247,9 @@ StabilityTrial::StabilityTrial(const StabilityScene& scene, float value,
 
 Frame StabilityTrial::render(std::string_view method, const SurfelCloud& cloud) const {
   Frame frame;
-  makeMethod(method, cloud)->render(setup_.view, setup_.settings, frame);
+  RenderSettings settings = setup_.settings;
+  settings.quality.check = ErrorCheck::of_still;  // as `foci render`
+  makeMethod(method, cloud)->render(setup_.view, settings, frame);
   return frame;
 }
 

@@ -201,7 +201,8 @@ vec4 lensOf(Lane lane, float radius, float variance, float off_D) {
 #endif
 
 uint stepOf(Lane lane, Kernel kernel, vec3 colour) {
-  float peak = (kernel.k.x + kernel.k.y + kernel.k.z) * max(max(colour.r, colour.g), colour.b);
+  float brightest = max(max(colour.r, colour.g), colour.b);
+  float peak = kernel.k.x * brightest * clamp(brightest, 1.0, kLight);
   float highlight = clamp((peak - kHighlight) / kHighlight, 0.0, 1.0);
   float all2 = lane.prefilter + lane.blur_min2, by_acuity = (lane.prefilter - 1.0) / all2;
   float sharpness = 1.0 - kFiner * highlight;

@@ -62,7 +62,7 @@ void add(uint n, vec2 at) {
   }
   far_m = max(far_m, z.y);
 
-  float all = (k.w * t + k.z) * t + k.y;
+  float all = min(k.y, t * (k.w * t + k.z));
 #ifdef SUB_APERTURES
   all *= z.w;
 #endif

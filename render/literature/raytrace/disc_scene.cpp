@@ -27,8 +27,7 @@ std::optional<Hit> hitAt(const SeenSurfel& surfel, std::uint32_t index,
       vyy * offset.x * offset.x - 2.0f * vxy * offset.x * offset.y + vxx * offset.y * offset.y;
   if (!(q_det < shape.support2 * det)) return std::nullopt;
   const float t = 1.0f - q_det / (shape.support2 * det);
-  const float weight =
-      (shape.k0 + t * (shape.k1 + t * shape.k2)) * area_px / (shape.support2 * std::sqrt(det));
+  const float weight = shape.at(t) * area_px / (shape.support2 * std::sqrt(det));
   return Hit{index, weight, -offset / std::sqrt(shape.support2 * std::min(vxx, vyy))};
 }
 
