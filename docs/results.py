@@ -313,7 +313,8 @@ def growth(args):
     (n, ms), (more, more_ms) = list(times["splats", "surfels"].items())[-2:]
     tenfold = (more_ms / ms) ** (math.log(10) / math.log(more / n))
     blur = times["blur", "surfels"]
-    return ("`foci chart --growth`: exponents of the time of `auto` ([methods.md](methods.md#how-cost-grows)). " +
+    return (f"`{' '.join(['foci chart --growth', *args.quick, *args.growth_options])}`: exponents of the time of `auto` "
+            "([methods.md](methods.md#how-cost-grows)). " +
             "; ".join(f"{axis}: {', '.join(texts)}" for axis, texts in exponents.items()) +
             f". At the largest scenes, ten times the surfels cost {short(tenfold)} times the frame (goal: 1.15). 128 px of blur "
             f"on the plane cost {short(blur[128] / blur[16])} times 16 px (goal: 1).")
