@@ -91,7 +91,7 @@ std::string needsTable(const std::vector<GrowthCurve>& curves) {
           cell(decimal(splats / 1e6, 0) + (gaussians ? " million Gaussians" : " million surfels")) +
           cell(significant(needs->memory_GB, 2)) + cell(milliseconds(1e3 * needs->frame_cpu_s)) +
           cell(decimal(std::ceil(kFps * needs->frame_cpu_s), 0)) +
-          cell(thousands(needs->batch_core_h)) + cell(significant(needs->batch_core_h / 64.0, 2)) +
+          cell(thousands(needs->batch_core_h)) + cell(decimal(needs->batch_core_h / 64.0, 1)) +
           "</tr>\n";
     }
   }
@@ -109,13 +109,15 @@ std::optional<StudyNeeds> needsOf(double splats, bool gaussians,
     const GrowthPoint& first = curve.points.front();
     if (first.axis != GrowthAxis::splats || first.gaussians != gaussians) continue;
     if (curve.method != kAutoMethod && curve.method != kPrepare) continue;
-    std::vector<glm::dvec2> memory, time;
+    std::vector<glm::dvec2> time;
     for (const GrowthPoint& point : curve.points) {
-      memory.emplace_back(point.size, point.memory_GB);
       time.emplace_back(point.size, 1e-3 * point.cpu_ms);
     }
     if (!needs) needs.emplace();
-    needs->memory_GB = std::max(needs->memory_GB, costAt(memory, splats));
+    const GrowthPoint& last = curve.points.back();
+    const double share = (splats - first.size) / (last.size - first.size);  // memory is a line
+    needs->memory_GB =
+        std::max(needs->memory_GB, std::lerp(first.memory_GB, last.memory_GB, share));
     if (curve.method == kPrepare) continue;
     const double images = kPixels / first.pixels;
     needs->frame_cpu_s = images * costAt(time, splats / images);
