@@ -17,6 +17,7 @@ import argparse
 import csv
 import datetime
 import json
+import math
 import os
 import re
 import shutil
@@ -30,7 +31,7 @@ GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
 BENCH_LEFT_OUT = re.compile(r"Label(Off|On)line/60|SurfelsOfRandomSphere/10000000|threads:1|Frame/[a-z]*/pinhole|SampleMesh/(3|1000)|SweepPlane/blur_dpx:(0|114)|/256px|/25cm|FirstFrame.*/8mm")  # rows that the page does without
 CURVE = (0.3, 0.5, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
-SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "peers", "stability", "reproduce", "eye", "webcam", "large", "python")
+SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "peers", "growth", "stability", "reproduce", "eye", "webcam", "large", "python")
 
 
 def run(*command):
@@ -298,6 +299,27 @@ def peers(args):
                   [[case] + [found.get(name, "") for name in columns] for case, found in cells.items()]))
 
 
+def growth(args):
+    command = (args.foci, "chart", "--growth", "--json", "--overwrite", "--out", os.path.join(args.out, "growth"))
+    exponents, times = {}, {}
+    for curve in json.loads(run(*command, *args.quick, *args.growth_options))["curves"]:
+        method, axis, kind = re.fullmatch("(.*) over (.*), (.*)", curve["curve"]).groups()
+        if method != "auto":
+            continue
+        bend = curve["bend"]
+        exponents.setdefault(axis, []).append(f"{kind} {curve['exponent']:.2f}" + (
+            f" ({bend['before']:.2f}, from {short(bend['at'], 2)} on {bend['after']:.2f})" if bend else ""))
+        times[axis, kind] = {point["size"]: point["cpu_ms_median"] for point in curve["points"]}
+    (n, ms), (more, more_ms) = list(times["splats", "surfels"].items())[-2:]
+    tenfold = (more_ms / ms) ** (math.log(10) / math.log(more / n))
+    blur = times["blur", "surfels"]
+    return (f"`{' '.join(['foci chart --growth', *args.quick, *args.growth_options])}`: exponents of the time of `auto` "
+            "([methods.md](methods.md#how-cost-grows)). " +
+            "; ".join(f"{axis}: {', '.join(texts)}" for axis, texts in exponents.items()) +
+            f". At the largest scenes, ten times the surfels cost {short(tenfold)} times the frame (goal: 1.15). 128 px of blur "
+            f"on the plane cost {short(blur[128] / blur[16])} times 16 px (goal: 1).")
+
+
 def stability(args):
     folder = os.path.join(args.out, "stability")
     run(args.foci, "chart", "--stability", "--out", folder, *args.quick, *args.stability_options)
@@ -533,7 +555,7 @@ def python(args):
 TITLES = {"bench": "Benchmarks",
           "trained_events": "Trained event detection on recordings that it has not seen",
           "event_rules": "Event detection on recordings that its constants have not seen", "live": "Live", "chart": "Time against accuracy",
-          "peers": "Other renderers", "stability": "Stability", "reproduce": "The paper's Table 1",
+          "peers": "Other renderers", "growth": "How cost grows", "stability": "Stability", "reproduce": "The paper's Table 1",
           "eye": "The eye", "webcam": "The webcam", "large": "Scenes larger than memory", "python": "Python"}
 
 
@@ -559,6 +581,7 @@ def main():
     parser.add_argument("--live-s", type=float, default=30.0)
     parser.add_argument("--live-size", default="1280x720")
     parser.add_argument("--chart-options", default="", help="for foci chart, e.g. '--scene plane --size 64'")
+    parser.add_argument("--growth-options", default="", help="for foci chart --growth")
     parser.add_argument("--stability-options", default="", help="for foci chart --stability")
     args = parser.parse_args()
     args.foci, args.bench = os.path.join(args.build, "foci"), os.path.join(args.build, "foci_bench")
@@ -568,6 +591,7 @@ def main():
     args.labelled = [os.path.abspath(path) for path in args.labelled]
     args.quick = [] if args.full else ["--quick"]
     args.chart_options, args.stability_options = args.chart_options.split(), args.stability_options.split()
+    args.growth_options = args.growth_options.split()
     only = args.only.split(",")
     if unknown := set(only) - set(SECTIONS):
         parser.error(f"--only: unknown section {', '.join(sorted(unknown))}")

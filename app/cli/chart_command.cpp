@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <type_traits>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
@@ -15,8 +16,11 @@
 #include "app/evaluation/chart/measure.h"
 #include "app/evaluation/chart/page.h"
 #include "app/evaluation/chart/panel.h"
+#include "app/evaluation/growth/growth.h"
+#include "app/evaluation/growth/page.h"
 #include "app/evaluation/stability/measure.h"
 #include "app/evaluation/stability/page.h"
+#include "app/evaluation/timed_runs.h"
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/output_files.h"
@@ -35,7 +39,7 @@ struct ChartOptions {
   std::string out{}, export_to{}, import_from{};
   ScanOptions scan{};
   EvaluationChoice choice{};
-  bool stability = false, json = false, overwrite = false;
+  bool stability = false, growth = false, json = false, overwrite = false;
 };
 
 nlohmann::ordered_json pointJson(const ChartPoint& point) {
@@ -55,15 +59,43 @@ nlohmann::ordered_json pointJson(const StabilityPoint& point) {
           {"score", jsonNumber(point.score)}};
 }
 
+nlohmann::ordered_json pointJson(const GrowthCurve& curve) {
+  nlohmann::ordered_json json = {{"curve", nameOf(curve)},
+                                 {"exponent", curve.time.exponent},
+                                 {"bend", nullptr},
+                                 {"memory_exponent", curve.memory.exponent}};
+  if (const auto& bend = curve.time.bend) {
+    json["bend"] = {{"at", bend->at}, {"before", bend->before}, {"after", bend->after}};
+  }
+  for (const GrowthPoint& point : curve.points) {
+    json["points"].push_back({{"size", point.size},
+                              {"method", point.method},
+                              {"ms_median", point.ms},
+                              {"cpu_ms_median", point.cpu_ms},
+                              {"memory_GB", point.memory_GB}});
+  }
+  return json;
+}
+
+/// The rows of JSON: curves or points.
+template <class Result>
+const auto& rowsOf(const Result& result) {
+  if constexpr (std::is_same_v<Result, GrowthResult>) {
+    return result.curves;
+  } else {
+    return result.points;
+  }
+}
+
 template <class Result>
 std::string chartJson(const std::filesystem::path& out, double seconds, const Result& result) {
   auto points = nlohmann::ordered_json::array();
-  for (const auto& point : result.points) points.push_back(pointJson(point));
+  for (const auto& row : rowsOf(result)) points.push_back(pointJson(row));
   return jsonText({{"out", out.string()},
                    {"seconds", seconds},
                    {"computed", result.computed},
                    {"kept", result.kept},
-                   {"points", points}});
+                   {std::is_same_v<Result, GrowthResult> ? "curves" : "points", points}});
 }
 
 /// Reports the steps of a run.
@@ -116,6 +148,23 @@ StabilityResult chart(const StabilityPlan& plan, const Imported& /*none*/,
   return result;
 }
 
+/// No cells: a run takes minutes.
+std::vector<std::filesystem::path> measuredFiles(const GrowthPlan& /*none*/,
+                                                 const std::filesystem::path& /*none*/) {
+  return {};
+}
+
+GrowthResult chart(const GrowthPlan& plan, const Imported& /*none*/,
+                   const std::filesystem::path& out, const OutputGuard& guard) {
+  OutputFolder output(out, guard);
+  GrowthResult result = measureGrowth(plan, progressOf(stepsOf(plan)));
+  output.write("growth.csv", csvOf(result.curves));
+  const std::string notice = writeOverview("growth.png", growthOverview(result.curves), output);
+  output.write("growth.html", growthPage(plan.quick, result.curves, notice));
+  output.commit();
+  return result;
+}
+
 template <class Plan>
 void chartAndReport(const ChartOptions& options, const Plan& plan, const std::string& name,
                     const Imported& imported = {}) {
@@ -135,6 +184,12 @@ void chartAndReport(const ChartOptions& options, const Plan& plan, const std::st
   if (options.json) {
     std::puts(chartJson(out, seconds, result).c_str());
   } else {
+    if constexpr (std::is_same_v<Plan, GrowthPlan>) {
+      for (const GrowthCurve& curve : result.curves) {
+        std::printf("%s: exponent %s\n", nameOf(curve).c_str(),
+                    growthText(curve.time, 1.0).c_str());
+      }
+    }
     std::printf("%zu cells measured, %zu already complete; %.0f s; page: %s\n", result.computed,
                 result.kept, seconds, visible((out / (name + ".html")).string()).c_str());
   }
@@ -190,6 +245,14 @@ void runChart(ChartOptions options) {
   }
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.scan.threads));
+  if (options.growth) {
+    const double memory_GB = 0.5 * freeMemory_GB();  // half stays for other programs
+    chartAndReport(
+        options,
+        planGrowth(options.choice.quick, size_px.value_or(640), memory_GB, threadCounts().back()),
+        "growth");
+    return;
+  }
   options.choice.scan = scanViewOf(options.scan);
   if (options.stability) {
     chartAndReport(options, planStability(options.choice), "stability");
@@ -215,6 +278,7 @@ void addChartCommand(CLI::App& app) {
                                        "an interrupted run continues where it stopped.\n"
                                        "Example: foci chart --out out/chart\n"
                                        "         foci chart --stability --out out/stability\n"
+                                       "         foci chart --growth --out out/growth\n"
                                        "         foci chart --quick --scene ball --export cases");
   CLI::Option* out =
       chart->add_option("--out", options->out, "folder of the results")->type_name("DIR");
@@ -226,12 +290,21 @@ void addChartCommand(CLI::App& app) {
                       "harmless to extreme");
   chart->add_option("--size", options->choice.size_px, "width of the images; default 640")
       ->type_name("PX");
-  chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
-      ->type_name("NAME");
+  CLI::Option* scene =
+      chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
+          ->type_name("NAME");
   CLI::Option* method = chart
                             ->add_option("--method", options->choice.methods,
                                          "only this method, NAME or NAME:N; may be repeated")
                             ->type_name("NAME");
+  CLI::Option* growth =
+      chart
+          ->add_flag("--growth", options->growth,
+                     "measure how time and memory grow with splats, pixels, blur, views and "
+                     "threads; ten minutes, --quick one")
+          ->excludes(stability)
+          ->excludes(scene)
+          ->excludes(method);
   CLI::Option* exported =
       chart
           ->add_option("--export", options->export_to,
@@ -239,14 +312,17 @@ void addChartCommand(CLI::App& app) {
           ->type_name("DIR")
           ->excludes(out)
           ->excludes(stability)
+          ->excludes(growth)
           ->excludes(method);
   chart
       ->add_option("--import", options->import_from,
                    "also chart the images of other renderers that DIR/times.json lists")
       ->type_name("DIR")
       ->excludes(exported)
+      ->excludes(growth)
       ->excludes(stability);
   addScanOptions(*chart, options->scan);
+  growth->excludes(chart->get_option("--scan"));
   addOverwriteFlag(*chart, options->overwrite);
   chart->add_flag("--json", options->json, "print the figures as JSON");
   chart->callback([options, chart] {

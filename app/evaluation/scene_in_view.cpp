@@ -177,10 +177,10 @@ SceneInView scanInView(const ScanView& scan, int size_px) {
   return scene;
 }
 
-SceneInView galleryInView(int width_px) {
+SceneInView galleryInView(int width_px, float step_px) {
   const View view = viewFrom(galleryEyePose(), {width_px, width_px * 9 / 16}, kGalleryFov_rad);
   return {.name = "gallery",
-          .cloud = makeGallery(),
+          .cloud = makeGallery(step_px),
           .view = view,
           .settings = settingsFor(galleryDepth_m(view, "knot"), {0.012f, 0.013f, 0.016f})};
 }

@@ -61,7 +61,8 @@ bool holdsGaussians(const std::filesystem::path& file);
 
 /// The gallery from its own eye pose, with things from 0.25 to 6 m and the knot in focus.
 /// @param width_px  of an image of 16 : 9
-SceneInView galleryInView(int width_px);
+/// @param step_px   as for `makeGallery`
+SceneInView galleryInView(int width_px, float step_px = 1.8f);
 
 /// Figure 1 of the 2003 paper: a half-transparent mask before a bust. The bust is in focus.
 SceneInView maskInView(int size_px);

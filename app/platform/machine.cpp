@@ -1,5 +1,6 @@
 #include "app/platform/machine.h"
 
+#include <malloc.h>
 #include <sched.h>
 #include <sys/utsname.h>
 
@@ -7,6 +8,7 @@
 #include <fstream>
 #include <thread>
 
+#include "base/memory_budget.h"
 #include "render/splat/sweep.h"
 
 namespace foci {
@@ -20,7 +22,29 @@ std::string firstLineOf(const fs::path& file) {
   return line;
 }
 
+/// A line of /proc in kB, "VmHWM:  20 kB"; 0 if it is not there.
+double linuxMemory_GB(const fs::path& file, const std::string& name) {
+  std::ifstream in(file);
+  double kB = 0.0;
+  for (std::string word; in >> word;) {
+    if (word == name) in >> kB;
+  }
+  return kB * 1024e-9;
+}
+
 }  // namespace
+
+double freeMemory_GB() {
+  return std::min(linuxMemory_GB("/proc/meminfo", "MemAvailable:"),
+                  1e-9 * static_cast<double>(memoryOfMachine()));
+}
+
+double peakMemory_GB() { return linuxMemory_GB("/proc/self/status", "VmHWM:"); }
+
+void forgetPeakMemory() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << 5;  // proc(5)
+}
 
 Machine describeMachine() {
   Machine machine{.cpu = "unknown",

@@ -18,6 +18,14 @@ struct Machine {
 
 Machine describeMachine();
 
+/// Memory that this process may still take.
+double freeMemory_GB();
+
+/// Largest memory that the process held since `forgetPeakMemory`; 0 if the system does not state
+/// it.
+double peakMemory_GB();
+void forgetPeakMemory();
+
 /// The file of this program; empty if the system does not state it.
 std::filesystem::path programFile();
 

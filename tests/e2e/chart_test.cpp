@@ -362,5 +362,35 @@ TEST(Chart, ImportsNothingOfAListWithAFault) {
   EXPECT_NE(import("small").err.find("exported with other options"), std::string::npos);
 }
 
+TEST(Chart, ShowsHowCostGrows) {
+  const TemporaryFolder folder;
+  const Outcome outcome = runFoci(
+      {"chart", "--growth", "--quick", "--size", "32", "--out", "out", "--threads", "2", "--json"},
+      folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("charting: "), std::string::npos);
+  const Json summary = Json::parse(outcome.out);
+  const auto csv = csvOf(folder.read("out/growth.csv"));
+  std::size_t points = 0;
+  std::set<std::string> curves;
+  for (const Json& curve : summary.at("curves")) {
+    points += curve.at("points").size();
+    curves.insert(curve.at("curve"));
+    for (const Json& point : curve.at("points")) EXPECT_GT(point.at("memory_GB"), 0.0) << curve;
+  }
+  EXPECT_EQ(csv.size() - 1, points);
+  EXPECT_EQ(summary.at("computed"), points);
+  // Over splats 5 and 4 with `prepare`; over pixels, blur and threads 4 and 3; over views 2 and 2.
+  EXPECT_EQ(curves.size(), 9U + 3U * 7U + 4U);
+  const std::string page = folder.read("out/growth.html");
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  for (const std::string& curve : curves) {
+    EXPECT_NE(page.find(curve.substr(0, curve.find(" over ")) + ": "), std::string::npos) << curve;
+  }
+  const Outcome scan =
+      runFoci({"chart", "--growth", "--out", "out", "--scan", "s.ply"}, folder.path());
+  EXPECT_EQ(scan.exit_code, 2);
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci::e2e

@@ -1,0 +1,239 @@
+#include "app/evaluation/growth/growth.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+#include "app/evaluation/scene_in_view.h"
+#include "app/evaluation/timed_runs.h"
+#include "app/platform/machine.h"
+#include "app/session/auto_method.h"
+#include "base/text.h"
+#include "render/lod/moment_tree.h"
+#include "render/scene/gaussian_tree.h"
+#include "render/scene/joined_scene.h"
+
+namespace foci {
+namespace {
+
+constexpr double kGalleryAtStep1 = 1.94e6;  // surfels of `makeGallery(1)`
+constexpr double kBytesPerSplat = 300.0;    // of all methods at most
+constexpr double kAspect = 9.0 / 16.0;
+constexpr std::size_t kMaxRuns = 7;
+
+/// Sizes in images 640 px wide. Chosen by eye, within the time that `foci chart --help` states.
+struct GrowthSizes {
+  double base_splats;
+  std::vector<double> splats, pixels, blurs_px, views;
+};
+const GrowthSizes kFullGrowth{1e6,
+                              {1e5, 3e5, 1e6, 3e6, 1e7, 3e7},
+                              {1e5, 2.304e5, 9.216e5, 3.6864e6, 8.2944e6},
+                              {0.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0},
+                              {1.0, 4.0, 16.0, 64.0}};
+const GrowthSizes kQuickGrowth{
+    3e5, {1e5, 3e5, 1e6}, {1e5, 9.216e5, 2.0736e6}, {0.0, 4.0, 16.0, 128.0}, {1.0, 4.0, 16.0}};
+
+struct Spent {
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  std::clock_t cpu_start = std::clock();
+
+  void addTo(std::vector<double>& ms, std::vector<double>& cpu_ms) const {
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    ms.push_back(took.count());
+    cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
+  }
+};
+
+/// A scene with its level of detail, and the cost of that.
+struct GrownScene {
+  GrowthPoint prepared;
+  SceneInView seen;
+  double blur_per_aperture;  // px for an aperture of 1 m
+
+  explicit GrownScene(const GrowthPoint& point)
+      : prepared(point),
+        seen(point.axis == GrowthAxis::blur
+                 ? planeInView(static_cast<int>(std::lround(std::sqrt(point.splats))),
+                               static_cast<int>(std::lround(std::sqrt(point.pixels))))
+                 : galleryInView(static_cast<int>(std::lround(std::sqrt(point.pixels / kAspect))),
+                                 static_cast<float>(std::sqrt(kGalleryAtStep1 / point.splats)))),
+        blur_per_aperture(seen.largestBlurThrough_px(1.0)) {
+    forgetPeakMemory();
+    std::vector<double> ms, cpu_ms;
+    const Spent spent;
+    prepared.splats = static_cast<double>(seen.cloud.size());
+    if (point.gaussians) {
+      SurfelCloud cloud;
+      cloud.gaussians = std::make_shared<const GaussianCloud>(withTree(gaussiansOf(seen.cloud)));
+      seen.cloud = std::move(cloud);
+    } else {
+      seen.cloud = withTree(std::move(seen.cloud));
+    }
+    spent.addTo(ms, cpu_ms);
+    prepared.ms = ms[0];
+    prepared.cpu_ms = cpu_ms[0];
+    prepared.memory_GB = peakMemory_GB();
+  }
+};
+
+/// Renders as `measureChart` does: `auto` has compared its levels, no frame can be reused, and the
+/// first frame does not count unless it is slow.
+void measureFrames(GrowthPoint& point, const GrownScene& scene, double timing_ms) {
+  constexpr double kGrowthSlow = 4.0, kApart = 1e-3;
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, point.threads);
+  const double aperture_m = point.blur_px / scene.blur_per_aperture;
+  forgetPeakMemory();
+  const auto method = makeMethod(point.method, scene.seen.cloud);
+  if (choosesQuality(point.method)) {
+    RenderSettings checked = scene.seen.settingsThrough(aperture_m);
+    checked.quality.check = ErrorCheck::at_once;
+    method->pass(scene.seen.view, checked);
+  }
+  Frame frame;
+  std::vector<double> ms, cpu_ms;
+  double left_ms = kGrowthSlow * timing_ms;
+  while (left_ms > 0.0 && ms.size() <= kMaxRuns) {
+    const double off = ms.size() % 2 == 0 ? 0.0 : kApart;
+    const RenderSettings settings = scene.seen.settingsThrough(aperture_m * (1.0 - off));
+    const Spent spent;
+    point.quality_level = method->render(scene.seen.view, settings, frame).quality_level;
+    spent.addTo(ms, cpu_ms);
+    left_ms = ms.size() == 1 && cpu_ms[0] < left_ms ? timing_ms : left_ms - cpu_ms.back();
+  }
+  const auto first = ms.size() > 1 ? 1 : 0;
+  point.ms = median({ms.begin() + first, ms.end()});
+  point.cpu_ms = median({cpu_ms.begin() + first, cpu_ms.end()});
+  point.memory_GB = peakMemory_GB();
+}
+
+}  // namespace
+
+const char* nameOf(GrowthAxis axis) {
+  constexpr const char* kNames[] = {"splats", "pixels", "blur", "views", "threads"};
+  return kNames[static_cast<std::size_t>(axis)];
+}
+
+GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threads) {
+  const GrowthSizes& sizes = quick ? kQuickGrowth : kFullGrowth;
+  const double scale = std::pow(width_px / 640.0, 2.0);
+  std::vector<double> threads_up;
+  for (unsigned n = 1; n < threads; n *= 2) threads_up.push_back(n);
+  threads_up.push_back(threads);
+  const std::vector<std::pair<GrowthAxis, std::vector<double>>> axes{
+      {GrowthAxis::splats, sizes.splats},
+      {GrowthAxis::views, sizes.views},
+      {GrowthAxis::threads, threads_up},
+      {GrowthAxis::pixels, sizes.pixels},
+      {GrowthAxis::blur, sizes.blurs_px}};
+  GrowthPlan plan{.quick = quick, .timing_ms = scale * (quick ? 60.0 : 500.0)};
+  for (const bool gaussians : {false, true}) {
+    for (const auto& [axis, values] : axes) {
+      for (const double value : values) {
+        const auto at = [&](GrowthAxis of, double base) { return axis == of ? value : base; };
+        GrowthPoint point{.axis = axis,
+                          .size = value,
+                          .gaussians = gaussians,
+                          .splats = scale * at(GrowthAxis::splats, sizes.base_splats),
+                          .pixels = scale * at(GrowthAxis::pixels, 640.0 * 640.0 * kAspect),
+                          .blur_px = at(GrowthAxis::blur, 16.0),
+                          .threads = static_cast<unsigned>(at(GrowthAxis::threads, threads))};
+        if (point.splats * kBytesPerSplat > 1e9 * memory_GB) break;
+        std::vector<std::string> methods{"auto", "sweep-lod:7", "accumulate:16"};
+        if (!gaussians) methods.emplace_back("paper-lod");
+        if (axis == GrowthAxis::splats) methods.emplace_back(kPrepare);
+        if (axis == GrowthAxis::views) {
+          const std::string n = ":" + decimal(value, 0);
+          methods = {"sweep-lod" + n, "accumulate" + n};
+        }
+        for (const std::string& method : methods) {
+          point.method = method;
+          plan.points.push_back(point);
+        }
+      }
+    }
+  }
+  return plan;
+}
+
+GrowthResult measureGrowth(GrowthPlan plan, const std::function<void(std::size_t)>& on_steps) {
+  std::optional<GrownScene> scene;
+  const auto sceneOf = [](const GrowthPoint& one) {
+    return std::tuple(one.axis == GrowthAxis::blur, one.gaussians, one.splats, one.pixels);
+  };
+  const GrowthPoint* of = nullptr;
+  std::vector<GrowthPoint> measured;
+  for (const GrowthPoint& point : plan.points) {
+    if (!of || sceneOf(*of) != sceneOf(point)) {
+      scene.reset();
+      scene.emplace(point);
+      of = &point;
+    }
+    GrowthPoint& one = measured.emplace_back(point.method == kPrepare ? scene->prepared : point);
+    one.method = point.method;
+    one.splats = scene->prepared.splats;
+    one.pixels = double{1.0 * scene->seen.view.size_px.x} * scene->seen.view.size_px.y;
+    if (one.axis == GrowthAxis::splats) one.size = one.splats;
+    if (one.axis == GrowthAxis::pixels) one.size = one.pixels;
+    if (one.method != kPrepare) measureFrames(one, *scene, plan.timing_ms);
+    on_steps(1);
+  }
+  return {.curves = curvesOf(measured), .computed = measured.size()};
+}
+
+std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points) {
+  std::vector<GrowthCurve> curves;
+  for (const GrowthPoint& point : points) {
+    const bool views = point.axis == GrowthAxis::views;
+    const std::string method =
+        point.method.substr(0, views ? point.method.find(':') : std::string::npos);
+    auto found = std::ranges::find_if(curves, [&](const GrowthCurve& one) {
+      const GrowthPoint& other = one.points.front();
+      return one.method == method && other.axis == point.axis && other.gaussians == point.gaussians;
+    });
+    if (found == curves.end()) found = curves.insert(found, {.method = method});
+    found->points.push_back(point);
+  }
+  std::erase_if(curves, [](const GrowthCurve& one) { return one.points.size() < 2; });
+  for (GrowthCurve& curve : curves) {
+    std::vector<glm::dvec2> time, memory;
+    for (const GrowthPoint& point : curve.points) {
+      time.emplace_back(point.size, point.time_ms());
+      memory.emplace_back(point.size, point.memory_GB);
+    }
+    curve.time = fitGrowth(time);
+    curve.memory = fitGrowth(memory);
+  }
+  return curves;
+}
+
+std::string nameOf(const GrowthCurve& curve) {
+  const GrowthPoint& point = curve.points.front();
+  return curve.method + " over " + nameOf(point.axis) +
+         (point.gaussians ? ", Gaussians" : ", surfels");
+}
+
+std::string csvOf(const std::vector<GrowthCurve>& curves) {
+  std::string csv =
+      "axis,size,splats_are,method,splats,pixels,blur_px,threads,ms_median,cpu_ms_median,memory_GB,"
+      "quality_level\n";
+  for (const GrowthCurve& curve : curves) {
+    for (const GrowthPoint& one : curve.points) {
+      csv += concat(nameOf(one.axis), ',', exactText(one.size), ',',
+                    one.gaussians ? "Gaussians" : "surfels", ',', one.method, ',',
+                    exactText(one.splats), ',', exactText(one.pixels), ',', exactText(one.blur_px),
+                    ',', one.threads, ',', decimal(one.ms, 3), ',', decimal(one.cpu_ms, 3), ',',
+                    decimal(one.memory_GB, 3), ',',
+                    one.quality_level ? textOf(*one.quality_level) : "n/a", "\n");
+    }
+  }
+  return csv;
+}
+
+}  // namespace foci

@@ -1,0 +1,76 @@
+// How time and memory grow while one size grows: of the gallery and, for blur, of the paper's
+// plane; of surfels, and of Gaussians on these.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/evaluation/growth/growth_fit.h"
+#include "render/methods/quality_level.h"
+
+namespace foci {
+
+/// Surfels or Gaussians, pixels, blur radius in pixels, N of the method, threads.
+enum class GrowthAxis : std::uint8_t { splats, pixels, blur, views, threads };
+const char* nameOf(GrowthAxis axis);
+
+/// To make a scene's level of detail: stands among the methods.
+inline constexpr const char* kPrepare = "prepare";
+
+/// A method at one size.
+struct GrowthPoint {
+  GrowthAxis axis = GrowthAxis::splats;
+  double size = 0.0;
+  bool gaussians = false;
+  std::string method = {};
+  double splats = 0.0, pixels = 0.0, blur_px = 0.0;
+  unsigned threads = 1;
+
+  double ms = 0.0, cpu_ms = 0.0;  ///< of a frame, medians
+  double memory_GB = 0.0;         ///< peak of the process
+  std::optional<QualityLevel> quality_level = {};
+
+  /// CPU time, which other programs disturb least; over threads, wall time.
+  double time_ms() const { return axis == GrowthAxis::threads ? ms : cpu_ms; }
+};
+
+struct GrowthPlan {
+  bool quick = false;
+  double timing_ms = 0.0;                ///< CPU time for the frames of a point
+  std::vector<GrowthPoint> points = {};  ///< to measure
+};
+inline std::size_t stepsOf(const GrowthPlan& plan) { return plan.points.size(); }
+
+/// @param width_px   of images, 640 unless pixels grow. Splats go with the pixels
+/// @param memory_GB  that scenes may take
+GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threads);
+
+/// A method while one size grows.
+struct GrowthCurve {
+  std::string method = {};               ///< without N where N grows
+  std::vector<GrowthPoint> points = {};  ///< by size
+  GrowthFit time = {}, memory = {};
+};
+
+/// "auto over splats, surfels".
+std::string nameOf(const GrowthCurve& curve);
+
+/// The curves of at least two sizes.
+std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points);
+
+struct GrowthResult {
+  std::vector<GrowthCurve> curves = {};
+  std::size_t computed = 0, kept = 0;  ///< no run continues an earlier one
+};
+
+/// @param on_steps  called with the number of steps done since the last call
+GrowthResult measureGrowth(GrowthPlan plan, const std::function<void(std::size_t)>& on_steps);
+
+/// growth.csv.
+std::string csvOf(const std::vector<GrowthCurve>& curves);
+
+}  // namespace foci
