@@ -13,6 +13,8 @@
 #include "app/evaluation/chart/export.h"
 #include "app/evaluation/chart/import.h"
 #include "app/evaluation/chart/measure.h"
+#include "app/evaluation/chart/motion.h"
+#include "app/evaluation/chart/motion_page.h"
 #include "app/evaluation/chart/page.h"
 #include "app/evaluation/chart/panel.h"
 #include "app/evaluation/stability/measure.h"
@@ -35,7 +37,7 @@ struct ChartOptions {
   std::string out{}, export_to{}, import_from{};
   ScanOptions scan{};
   EvaluationChoice choice{};
-  bool stability = false, json = false, overwrite = false;
+  bool stability = false, motion = false, json = false, overwrite = false;
 };
 
 nlohmann::ordered_json pointJson(const ChartPoint& point) {
@@ -53,6 +55,12 @@ nlohmann::ordered_json pointJson(const StabilityPoint& point) {
           {"value", point.value},
           {"method", point.by},
           {"score", jsonNumber(point.score)}};
+}
+
+nlohmann::ordered_json pointJson(const MotionPoint& point) {
+  return {{"scene", point.scene},         {"path", point.path},
+          {"method", point.by()},         {"light_worst", point.light_worst},
+          {"jnd_worst", point.jnd_worst}, {"ms_median", point.ms_median}};
 }
 
 template <class Result>
@@ -112,6 +120,16 @@ StabilityResult chart(const StabilityPlan& plan, const Imported& /*none*/,
   const std::string notice =
       writeOverview("stability.png", stabilityOverview(plan, result.points), output);
   output.write("stability.html", stabilityPage(plan, result.points, notice));
+  output.commit();
+  return result;
+}
+
+MotionResult chart(const MotionPlan& plan, const Imported& /*none*/,
+                   const std::filesystem::path& out, const OutputGuard& guard) {
+  OutputFolder output(out, guard);
+  const MotionResult result = measureMotion(plan, out, guard, progressOf(stepsOf(plan)));
+  output.write("motion.csv", csvOf(result.points));
+  output.write("motion.html", motionPage(plan, result.points, result.warnings));
   output.commit();
   return result;
 }
@@ -195,6 +213,10 @@ void runChart(ChartOptions options) {
     chartAndReport(options, planStability(options.choice), "stability");
     return;
   }
+  if (options.motion) {
+    chartAndReport(options, planMotion(options.choice), "motion");
+    return;
+  }
   const ChartPlan plan = planChart(options.choice);
   if (!options.export_to.empty()) {
     exportPlan(options, plan);
@@ -215,6 +237,7 @@ void addChartCommand(CLI::App& app) {
                                        "an interrupted run continues where it stopped.\n"
                                        "Example: foci chart --out out/chart\n"
                                        "         foci chart --stability --out out/stability\n"
+                                       "         foci chart --motion --out out/motion\n"
                                        "         foci chart --quick --scene ball --export cases");
   CLI::Option* out =
       chart->add_option("--out", options->out, "folder of the results")->type_name("DIR");
@@ -224,7 +247,15 @@ void addChartCommand(CLI::App& app) {
       chart->add_flag("--stability", options->stability,
                       "score the methods on scenes made to break them, each with a dial from "
                       "harmless to extreme");
-  chart->add_option("--size", options->choice.size_px, "width of the images; default 640")
+  CLI::Option* motion =
+      chart
+          ->add_flag("--motion", options->motion,
+                     "score the change from frame to frame beyond the reference's: head, focus, "
+                     "pupil, saccade, stereo")
+          ->excludes(stability);
+  chart
+      ->add_option("--size", options->choice.size_px,
+                   "width of the images; default 640, with --motion 160")
       ->type_name("PX");
   chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
       ->type_name("NAME");
@@ -239,13 +270,15 @@ void addChartCommand(CLI::App& app) {
           ->type_name("DIR")
           ->excludes(out)
           ->excludes(stability)
+          ->excludes(motion)
           ->excludes(method);
   chart
       ->add_option("--import", options->import_from,
                    "also chart the images of other renderers that DIR/times.json lists")
       ->type_name("DIR")
       ->excludes(exported)
-      ->excludes(stability);
+      ->excludes(stability)
+      ->excludes(motion);
   addScanOptions(*chart, options->scan);
   addOverwriteFlag(*chart, options->overwrite);
   chart->add_flag("--json", options->json, "print the figures as JSON");
