@@ -276,7 +276,7 @@ MOTION_GOALS = {"head": 0.01, "focus": 0.005}  # excess change of `auto`, for 99
 
 def motion(args):
     folder = os.path.join(args.out, "motion")
-    run(args.foci, "chart", "--motion", "--out", folder, *args.quick)
+    run(args.foci, "chart", "--motion", "--method", "auto", "--out", folder, *args.quick)
     worst = {}
     for row in rows_of(os.path.join(folder, "motion.csv")):
         excess, path = float(row["light_worst"]), row["path"].split("-")[0]
