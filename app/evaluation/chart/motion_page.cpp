@@ -59,6 +59,7 @@ void writeMotionPanel(std::ostream& out, const std::string& title,
 std::string motionPage(const MotionPlan& plan, const std::vector<MotionPoint>& points,
                        const std::vector<std::string>& warnings) {
   std::vector<std::pair<std::string, std::string>> paths;
+  paths.reserve(kMotionPaths.size());
   for (const std::string_view path : kMotionPaths) paths.emplace_back(path, path);
   std::ostringstream out;
   out << pageStart("foci chart --motion", std::string(kEvaluationStyle) + kChartStyle + kStripStyle,
