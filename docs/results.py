@@ -284,10 +284,10 @@ def motion(args):
             column = path + ("" if row["budget_ms"] == "n/a" else ", budget")
             row_of = worst.setdefault(row["scene"], {})
             row_of[column] = max(row_of.get(column, 0.0), excess)
-    columns = [path + budget for path in (*MOTION_GOALS, "stereo") for budget in ("", ", budget")]
+    columns = [path + budget for path in MOTION_GOALS for budget in ("", ", budget")]
 
     def text(column, value):
-        bold = "**" if value > MOTION_GOALS.get(column.split(",")[0], float("inf")) else ""
+        bold = "**" if value > MOTION_GOALS[column.split(",")[0]] else ""
         return bold + short(value, 2) + bold
 
     return ("`foci chart --motion`: excess change of `auto` in the worst frame, linear light ([methods.md](methods.md#motion)); bold "
