@@ -31,7 +31,7 @@ GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
 BENCH_LEFT_OUT = re.compile(r"Label(Off|On)line/60|SurfelsOfRandomSphere/10000000|threads:1|Frame/[a-z]*/pinhole|SampleMesh/(3|1000)|SweepPlane/blur_dpx:(0|114)|/256px|/25cm|FirstFrame.*/8mm")  # rows that the page does without
 CURVE = (0.3, 0.5, 0.7, 0.8, 0.9, 0.95)  # probabilities whose share of right labels the page shows
-SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "peers", "growth", "stability", "reproduce", "eye", "webcam", "large", "python")
+SECTIONS = ("bench", "trained_events", "event_rules", "live", "chart", "motion", "peers", "growth", "stability", "reproduce", "eye", "webcam", "large", "python")
 
 
 def run(*command):
@@ -272,6 +272,31 @@ def chart(args):
     return "\n\n".join(text)
 
 
+MOTION_GOALS = {"head": 0.01, "focus": 0.005}  # excess change of `auto`, for 99.9 % of the pixels
+
+
+def motion(args):
+    folder = os.path.join(args.out, "motion")
+    run(args.foci, "chart", "--motion", "--method", "auto", "--out", folder, *args.quick)
+    worst = {}
+    for row in rows_of(os.path.join(folder, "motion.csv")):
+        excess, path = float(row["light_worst"]), row["path"].split("-")[0]
+        if row["method"] == "auto":
+            column = path + ("" if row["budget_ms"] == "n/a" else ", budget")
+            row_of = worst.setdefault(row["scene"], {})
+            row_of[column] = max(row_of.get(column, 0.0), excess)
+    columns = [path + budget for path in MOTION_GOALS for budget in ("", ", budget")]
+
+    def text(column, value):
+        bold = "**" if value > MOTION_GOALS[column.split(",")[0]] else ""
+        return bold + short(value, 2) + bold
+
+    return ("`foci chart --motion`: excess change of `auto` in the worst frame, linear light ([methods.md](methods.md#motion)); bold "
+            f"exceeds {MOTION_GOALS['head']} (head) or {MOTION_GOALS['focus']} (focus).\n\n" +
+            table(["scene"] + columns, [[f"`{scene}`"] + [text(column, found[column]) for column in columns]
+                                        for scene, found in worst.items()]))
+
+
 def peers(args):
     cases, out = (os.path.join(args.out, "peers", name) for name in ("cases", "chart"))
     scenes = ["--size", "320", "--scene", "ball", "--scene", "gallery"]
@@ -323,7 +348,7 @@ def growth(args):
 def stability(args):
     folder = os.path.join(args.out, "stability")
     run(args.foci, "chart", "--stability", "--out", folder, *args.quick, *args.stability_options)
-    images = ("auto", "sweep-lod:7", "paper-lod")
+    images = ("auto", "sweep-lod:7")
     scenes = {}
     for row in rows_of(os.path.join(folder, "stability.csv")):
         scene = scenes.setdefault(row["scene"], {"values": [], "scores": {}})
@@ -554,7 +579,7 @@ def python(args):
 
 TITLES = {"bench": "Benchmarks",
           "trained_events": "Trained event detection on recordings that it has not seen",
-          "event_rules": "Event detection on recordings that its constants have not seen", "live": "Live", "chart": "Time against accuracy",
+          "event_rules": "Event detection on recordings that its constants have not seen", "live": "Live", "chart": "Time against accuracy", "motion": "Motion",
           "peers": "Other renderers", "growth": "How cost grows", "stability": "Stability", "reproduce": "The paper's Table 1",
           "eye": "The eye", "webcam": "The webcam", "large": "Scenes larger than memory", "python": "Python"}
 

@@ -14,6 +14,8 @@
 #include "app/evaluation/chart/export.h"
 #include "app/evaluation/chart/import.h"
 #include "app/evaluation/chart/measure.h"
+#include "app/evaluation/chart/motion.h"
+#include "app/evaluation/chart/motion_page.h"
 #include "app/evaluation/chart/page.h"
 #include "app/evaluation/chart/panel.h"
 #include "app/evaluation/growth/growth.h"
@@ -39,7 +41,7 @@ struct ChartOptions {
   std::string out{}, export_to{}, import_from{};
   ScanOptions scan{};
   EvaluationChoice choice{};
-  bool stability = false, growth = false, json = false, overwrite = false;
+  bool stability = false, motion = false, growth = false, json = false, overwrite = false;
 };
 
 nlohmann::ordered_json pointJson(const ChartPoint& point) {
@@ -85,6 +87,12 @@ const auto& rowsOf(const Result& result) {
   } else {
     return result.points;
   }
+}
+
+nlohmann::ordered_json pointJson(const MotionPoint& point) {
+  return {{"scene", point.scene},         {"path", point.path},
+          {"method", point.by()},         {"light_worst", point.light_worst},
+          {"jnd_worst", point.jnd_worst}, {"ms_median", point.ms_median}};
 }
 
 template <class Result>
@@ -161,6 +169,16 @@ GrowthResult chart(const GrowthPlan& plan, const Imported& /*none*/,
   output.write("growth.csv", csvOf(result.curves));
   const std::string notice = writeOverview("growth.png", growthOverview(result.curves), output);
   output.write("growth.html", growthPage(plan.quick, result.curves, notice));
+  output.commit();
+  return result;
+}
+
+MotionResult chart(const MotionPlan& plan, const Imported& /*none*/,
+                   const std::filesystem::path& out, const OutputGuard& guard) {
+  OutputFolder output(out, guard);
+  const MotionResult result = measureMotion(plan, out, guard, progressOf(stepsOf(plan)));
+  output.write("motion.csv", csvOf(result.points));
+  output.write("motion.html", motionPage(plan, result.points, result.warnings));
   output.commit();
   return result;
 }
@@ -258,6 +276,10 @@ void runChart(ChartOptions options) {
     chartAndReport(options, planStability(options.choice), "stability");
     return;
   }
+  if (options.motion) {
+    chartAndReport(options, planMotion(options.choice), "motion");
+    return;
+  }
   const ChartPlan plan = planChart(options.choice);
   if (!options.export_to.empty()) {
     exportPlan(options, plan);
@@ -279,6 +301,7 @@ void addChartCommand(CLI::App& app) {
                                        "Example: foci chart --out out/chart\n"
                                        "         foci chart --stability --out out/stability\n"
                                        "         foci chart --growth --out out/growth\n"
+                                       "         foci chart --motion --out out/motion\n"
                                        "         foci chart --quick --scene ball --export cases");
   CLI::Option* out =
       chart->add_option("--out", options->out, "folder of the results")->type_name("DIR");
@@ -288,7 +311,15 @@ void addChartCommand(CLI::App& app) {
       chart->add_flag("--stability", options->stability,
                       "score the methods on scenes made to break them, each with a dial from "
                       "harmless to extreme");
-  chart->add_option("--size", options->choice.size_px, "width of the images; default 640")
+  CLI::Option* motion =
+      chart
+          ->add_flag("--motion", options->motion,
+                     "score the change from frame to frame beyond the reference's: head, focus, "
+                     "pupil, saccade, stereo")
+          ->excludes(stability);
+  chart
+      ->add_option("--size", options->choice.size_px,
+                   "width of the images; default 640, with --motion 160")
       ->type_name("PX");
   CLI::Option* scene =
       chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
@@ -303,6 +334,7 @@ void addChartCommand(CLI::App& app) {
                      "measure how time and memory grow with splats, pixels, blur, views and "
                      "threads; ten minutes, --quick one")
           ->excludes(stability)
+          ->excludes(motion)
           ->excludes(scene)
           ->excludes(method);
   CLI::Option* exported =
@@ -313,6 +345,7 @@ void addChartCommand(CLI::App& app) {
           ->excludes(out)
           ->excludes(stability)
           ->excludes(growth)
+          ->excludes(motion)
           ->excludes(method);
   chart
       ->add_option("--import", options->import_from,
@@ -320,6 +353,7 @@ void addChartCommand(CLI::App& app) {
       ->type_name("DIR")
       ->excludes(exported)
       ->excludes(growth)
+      ->excludes(motion)
       ->excludes(stability);
   addScanOptions(*chart, options->scan);
   growth->excludes(chart->get_option("--scan"));

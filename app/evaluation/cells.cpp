@@ -110,13 +110,15 @@ void ChartCells::store(const std::string& name, const std::string& key,
   writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 
-std::optional<double> ChartCells::loadScore(const std::string& name, const std::string& key) const {
+std::optional<ChartCells::Lists> ChartCells::loadLists(const std::string& name,
+                                                       const std::string& key) const {
   return parsed(folder_ / (name + ".json"), key_ + key,
-                [](const Json& json) { return json.at("score").get<double>(); });
+                [](const Json& json) { return json.at("lists").get<Lists>(); });
 }
 
-void ChartCells::storeScore(const std::string& name, const std::string& key, double score) const {
-  const Json json = {{"key", key_ + key}, {"score", score}};
+void ChartCells::storeLists(const std::string& name, const std::string& key,
+                            const Lists& lists) const {
+  const Json json = {{"key", key_ + key}, {"lists", lists}};
   writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 

@@ -56,9 +56,10 @@ class ChartCells {
   /// @throws InputError, std::runtime_error if the file must not, or cannot be written
   void store(const std::string& name, const std::string& key, const ChartCell& cell) const;
 
-  /// A cell that holds one finite number.
-  std::optional<double> loadScore(const std::string& name, const std::string& key) const;
-  void storeScore(const std::string& name, const std::string& key, double score) const;
+  /// A cell that holds named lists of finite numbers.
+  using Lists = std::map<std::string, std::vector<double>>;
+  std::optional<Lists> loadLists(const std::string& name, const std::string& key) const;
+  void storeLists(const std::string& name, const std::string& key, const Lists& lists) const;
 
   /// The reference with its frame, to the bit.
   std::optional<ChartReference> loadReference(const std::string& name,

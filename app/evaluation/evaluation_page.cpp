@@ -32,6 +32,17 @@ dialog p { max-width: none; } td code { white-space: nowrap; }
 .three img { image-rendering: pixelated; }
 )";
 
+const char* const kPanelScript = R"(
+const dials = document.querySelectorAll('.dials input');
+function show() {
+  for (const panel of document.querySelectorAll('.panel'))
+    panel.hidden = [...dials].some(dial => dial.checked && dial.name in panel.dataset &&
+      panel.dataset[dial.name] !== dial.value);
+}
+for (const dial of dials) dial.addEventListener('change', show);
+show();
+)";
+
 namespace {
 
 constexpr const char* kDialogScript = R"(
@@ -67,6 +78,18 @@ std::string threadsText(unsigned threads) {
 
 std::string differenceFileOf(std::string image) {
   return image.insert(image.rfind('.'), "_difference");
+}
+
+std::string dialHtml(const char* name, const char* title,
+                     const std::vector<std::pair<std::string, std::string>>& choices,
+                     const std::string& chosen) {
+  std::string html = std::string("<fieldset><legend>") + title + "</legend>";
+  for (const auto& [value, text] : choices) {
+    html.append("<label><input type=\"radio\" name=\"").append(name);
+    html.append("\" value=\"").append(value).append(value == chosen ? "\" checked> " : "\"> ");
+    html.append(text).append("</label>");
+  }
+  return html + "</fieldset>\n";
 }
 
 void writeFamilies(std::ostream& out, bool imported) {

@@ -4,6 +4,8 @@
 
 #include <ostream>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace foci {
 
@@ -26,6 +28,15 @@ std::string threadsText(unsigned threads);
 
 /// The key to the colours of the methods' families, and of other renderers.
 void writeFamilies(std::ostream& out, bool imported = false);
+
+/// A dial of a page: radio buttons, of which one is chosen.
+/// @param choices  value and text of each, HTML
+std::string dialHtml(const char* name, const char* title,
+                     const std::vector<std::pair<std::string, std::string>>& choices,
+                     const std::string& chosen);
+
+/// Hides each panel that has data of a dial's name other than what the dial shows.
+extern const char* const kPanelScript;
 
 /// A dialog that every link in an <svg> opens. The dialog shows the image that the link names, the
 /// reference in the link's `data-at`, and the difference (`differenceFileOf` the image).

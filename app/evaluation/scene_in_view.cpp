@@ -190,10 +190,10 @@ View maskView(int size_px) {
   return viewFrom({{-0.02f, 1.35f, -0.38f}, {0.177f, 1.462f, -1.55f}}, size_px, kMaskFov_rad);
 }
 
-SceneInView maskInView(int size_px) {
+SceneInView maskInView(int size_px, float step_px) {
   const View view = maskView(size_px);
   return {.name = "mask",
-          .cloud = makeGallery(),
+          .cloud = makeGallery(step_px),
           .view = view,
           .settings = settingsFor(galleryDepth_m(view, "bust"), glm::vec3(0.0f))};
 }

@@ -59,13 +59,15 @@ SceneInView surfacesInView(const ScanView& scan, int size_px);
 /// Whether a scene file holds Gaussians. @throws InputError
 bool holdsGaussians(const std::filesystem::path& file);
 
+/// Distance of the gallery's surfels in a chart (`makeGallery`).
+inline constexpr float kGalleryStep_px = 1.8f;
+
 /// The gallery from its own eye pose, with things from 0.25 to 6 m and the knot in focus.
 /// @param width_px  of an image of 16 : 9
-/// @param step_px   as for `makeGallery`
-SceneInView galleryInView(int width_px, float step_px = 1.8f);
+SceneInView galleryInView(int width_px, float step_px = kGalleryStep_px);
 
 /// Figure 1 of the 2003 paper: a half-transparent mask before a bust. The bust is in focus.
-SceneInView maskInView(int size_px);
+SceneInView maskInView(int size_px, float step_px = kGalleryStep_px);
 
 /// The view of `maskInView`: past the foreground of the gallery.
 View maskView(int size_px);

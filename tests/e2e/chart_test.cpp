@@ -196,6 +196,36 @@ TEST(Chart, ScoresStabilityAndContinuesAfterAKill) {
   EXPECT_EQ(again.at("points"), summary.at("points"));
 }
 
+TEST(Chart, ScoresMotionAndContinues) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> few = {"chart",    "--motion", "--quick",  "--size", "24",
+                                        "--scene",  "plane",    "--out",    "out",    "--json",
+                                        "--method", "auto",     "--method", "pinhole"};
+  const Outcome outcome = runFoci(few, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  const auto csv = csvOf(folder.read("out/motion.csv"));
+  ASSERT_EQ(csv.size() - 1, 7u * 3);  // paths; `auto`, the same within a budget, and the pinhole
+  std::size_t budgets = 0;
+  for (std::size_t i = 1; i < csv.size(); ++i) {
+    EXPECT_GE(std::stod(csv[i][5]), std::stod(csv[i][6])) << csv[i][1];  // worst, median
+    budgets += csv[i][4] != "n/a" ? 1 : 0;
+  }
+  EXPECT_EQ(budgets, 7u);
+  const std::string page = folder.read("out/motion.html");
+  std::size_t links = 0;
+  for (std::size_t at = 0; (at = page.find("\"images/", at)) != std::string::npos; ++links) {
+    ++at;
+    const std::string link = page.substr(at, page.find('"', at) - at);
+    EXPECT_TRUE(folder.read("out/" + link).starts_with("\x89PNG")) << link;
+  }
+  EXPECT_EQ(links, 7u * (3 + 2));  // each point's strip, and the strip below each panel
+
+  const Json again = Json::parse(runFoci(few, folder.path()).out);
+  EXPECT_EQ(again.at("computed"), 0);
+  EXPECT_EQ(again.at("points"), summary.at("points"));
+}
+
 struct Refusal {
   std::string says;
   std::vector<std::string> options;
@@ -234,6 +264,7 @@ TEST(Chart, RefusesInOneLineAndLeavesNothing) {
       {"1 to 1024", {"--threads", "0"}},
       {"the nearest is crossing", {"--stability", "--scene", "crosing"}},
       {"a fixed size", {"--stability", "--size", "64"}},
+      {"--motion", {"--stability", "--motion"}},
   };
   for (const Refusal& refusal : refusals) {
     std::vector<std::string> all = {"chart", "--out", "made/out", "--quick"};

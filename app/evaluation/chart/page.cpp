@@ -15,19 +15,6 @@
 namespace foci {
 namespace {
 
-constexpr const char* kPanelScript = R"(
-const dials = document.querySelectorAll('.dials input');
-function show() {
-  const at = {};
-  for (const dial of dials) if (dial.checked) at[dial.name] = dial.value;
-  for (const panel of document.querySelectorAll('.panel[data-blur]'))
-    panel.hidden = panel.dataset.blur !== at.blur || panel.dataset.threads !== at.threads ||
-      panel.dataset.measure !== at.measure;
-}
-for (const dial of dials) dial.addEventListener('change', show);
-show();
-)";
-
 struct Advice {
   const char* when;
   const char* use;
@@ -101,28 +88,17 @@ std::string adviceTable() {
   return html + "</table>\n";
 }
 
-std::string dial(const char* name, const char* title,
-                 const std::vector<std::pair<std::string, std::string>>& choices,
-                 const std::string& chosen) {
-  std::string html = std::string("<fieldset><legend>") + title + "</legend>";
-  for (const auto& [value, text] : choices) {
-    html.append("<label><input type=\"radio\" name=\"").append(name);
-    html.append("\" value=\"").append(value).append(value == chosen ? "\" checked> " : "\"> ");
-    html.append(text).append("</label>");
-  }
-  return html + "</fieldset>\n";
-}
-
 std::string dials(const ChartPlan& plan, double blur_px) {
   std::vector<std::pair<std::string, std::string>> blurs, threads;
   for (const double one : plan.blurs_px)
     blurs.emplace_back(decimal(one, 0), decimal(one, 0) + " px");
   for (const unsigned one : plan.threads)
     threads.emplace_back(std::to_string(one), threadsText(one));
-  return "<div class=\"dials\">" + dial("blur", "blur radius up to", blurs, decimal(blur_px, 0)) +
-         dial("threads", "with", threads, std::to_string(plan.threads.back())) +
-         dial("measure", "accuracy of",
-              {{"psnr", "the whole image"}, {"silhouette", "silhouettes"}}, "psnr") +
+  return "<div class=\"dials\">" +
+         dialHtml("blur", "blur radius up to", blurs, decimal(blur_px, 0)) +
+         dialHtml("threads", "with", threads, std::to_string(plan.threads.back())) +
+         dialHtml("measure", "accuracy of",
+                  {{"psnr", "the whole image"}, {"silhouette", "silhouettes"}}, "psnr") +
          "</div>\n";
 }
 

@@ -40,8 +40,11 @@ ChartPlan quickPlan() {
           .max_runs = 3};
 }
 
-std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& scan) {
-  constexpr int kPlaneSamples = 512;  // along a side, as in the 2003 paper
+std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& scan,
+                                   float spacing) {
+  constexpr float kPlaneSamples = 512.0f;  // along a side, as in the 2003 paper
+  const auto plane_samples = static_cast<int>(kPlaneSamples / spacing);
+  const float step_px = spacing * kGalleryStep_px;
   std::vector<ChartScene> all;
   if (scan) {  // first, so that a bad scan is reported at once
     all.push_back({.id = "scan",
@@ -51,11 +54,11 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
                    .gaussians = holdsGaussians(scan->file)});
   }
   all.push_back({"plane", "a textured plane, tilted", "",
-                 [=] { return planeInView(kPlaneSamples, size_px); }});
+                 [=] { return planeInView(plane_samples, size_px); }});
   all.push_back({"gallery", "a gallery, things from 0.25 to 6 m", "",
-                 [=] { return galleryInView(size_px); }});
+                 [=] { return galleryInView(size_px, step_px); }});
   all.push_back({"mask", "a half-transparent mask before a figure in focus", "",
-                 [=] { return maskInView(size_px); }});
+                 [=] { return maskInView(size_px, step_px); }});
   all.push_back(
       {"fence", "thin wires before a wall in focus", "", [=] { return fenceInView(size_px); }});
   all.push_back({"ball", "a textured mesh before a light background", "",
@@ -104,23 +107,29 @@ std::string ChartPlan::key(const ChartScene& scene, double blur_px) const {
          decimal(blur_px, 3) + " px; reference " + reference(scene, blur_px) + "; ";
 }
 
-ChartPlan planChart(const EvaluationChoice& choice) {
-  ChartPlan plan = choice.quick ? quickPlan() : fullPlan();
-  plan.size_px = choice.size_px.value_or(plan.size_px);
-  plan.threads = threadCounts();
-  if (plan.quick) plan.threads.erase(plan.threads.begin(), plan.threads.end() - 1);
-  plan.scenes = everyScene(plan.size_px, choice.scan);
-  keepChosen(plan.scenes, choice, [](const ChartScene& scene) { return scene.id; });
-  const std::vector<EvaluatedMethod> asked =
-      evaluatedMethods(choice.methods, choice.quick ? SettingRange::quick : SettingRange::full);
-  for (ChartScene& scene : plan.scenes) {
+std::vector<ChartScene> chosenScenes(const EvaluationChoice& choice, int size_px,
+                                     SettingRange range, float spacing) {
+  std::vector<ChartScene> scenes = everyScene(size_px, choice.scan, spacing);
+  keepChosen(scenes, choice, [](const ChartScene& scene) { return scene.id; });
+  const std::vector<EvaluatedMethod> asked = evaluatedMethods(choice.methods, range);
+  for (ChartScene& scene : scenes) {
     scene.methods = scene.gaussians ? ofGaussians(asked, choice.methods.empty()) : asked;
     if (!scene.methods.empty()) continue;
     if (scene.input.empty() && choice.scenes.empty()) continue;
     throw InputError(scene.input.empty() ? "--scene " + scene.id : choice.scan->file.string(),
                      "holds Gaussians, which none of the chosen methods renders (foci methods)");
   }
-  std::erase_if(plan.scenes, [](const ChartScene& scene) { return scene.methods.empty(); });
+  std::erase_if(scenes, [](const ChartScene& scene) { return scene.methods.empty(); });
+  return scenes;
+}
+
+ChartPlan planChart(const EvaluationChoice& choice) {
+  ChartPlan plan = choice.quick ? quickPlan() : fullPlan();
+  plan.size_px = choice.size_px.value_or(plan.size_px);
+  plan.threads = threadCounts();
+  if (plan.quick) plan.threads.erase(plan.threads.begin(), plan.threads.end() - 1);
+  plan.scenes =
+      chosenScenes(choice, plan.size_px, plan.quick ? SettingRange::quick : SettingRange::full);
   return plan;
 }
 

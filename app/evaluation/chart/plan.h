@@ -50,7 +50,13 @@ struct ChartPlan {
   std::string key(const ChartScene& scene, double blur_px) const;
 };
 
+/// The scenes that the user chose, each with the methods that render it.
+/// @param spacing  of the surfels of the plane and the gallery, relative to a chart's
 /// @throws InputError for an unknown scene or method, or a scan that cannot be read
+std::vector<ChartScene> chosenScenes(const EvaluationChoice& choice, int size_px,
+                                     SettingRange range, float spacing = 1.0f);
+
+/// @throws InputError as `chosenScenes`
 ChartPlan planChart(const EvaluationChoice& choice);
 
 }  // namespace foci

@@ -10,9 +10,9 @@
 #include "app/evaluation/cells.h"
 #include "app/evaluation/csv.h"
 #include "app/evaluation/evaluation_page.h"
+#include "app/evaluation/excess_change.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
-#include "base/quantile.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 
@@ -92,12 +92,13 @@ class StabilityGroup {
         return std::nullopt;
       }
     }
-    return cells_.loadScore(nameOf(index), key_ + name);
+    const auto lists = cells_.loadLists(nameOf(index), key_ + name);
+    return lists ? std::optional(lists->at("score").front()) : std::nullopt;
   }
 
   double compute(std::size_t index, const std::string& name) {
     const double score = scene_.observe ? scene_.observe(index, value_) : render(index, name);
-    cells_.storeScore(nameOf(index), key_ + name, score);
+    cells_.storeLists(nameOf(index), key_ + name, {{"score", {score}}});
     return score;
   }
 
@@ -229,13 +230,7 @@ StabilityPlan planStability(const EvaluationChoice& choice) {
 
 namespace {
 
-constexpr double kMax_dB = 99.0;          // PSNR of equal frames is infinite: charts need a number
-constexpr double kShareOfPixels = 0.999;  // whose change a popping score bounds; chosen by eye
-
-Frame minus(Frame frame, const Frame& without) {
-  for (std::size_t i = 0; i < frame.rgba.size(); ++i) frame.rgba[i] -= without.rgba[i];
-  return frame;
-}
+constexpr double kMax_dB = 99.0;  // PSNR of equal frames is infinite: charts need a number
 
 }  // namespace
 
@@ -278,17 +273,12 @@ double StabilityTrial::popping(std::string_view method) {
   double max = 0.0;
   tested->render(view, settings, rendered_);
   for (std::size_t k = 1; k < references().size(); ++k) {
-    const Frame before = rendered_, &exact = references()[k], &exact_before = references()[k - 1];
+    const SeenFrame before(rendered_);
     setup_.step(view, settings);
     tested->render(view, settings, rendered_);
-    std::vector<double> extra;
-    for (std::size_t i = 0; i < rendered_.rgba.size(); ++i) {
-      const glm::vec3 change = glm::abs(glm::vec3(rendered_.rgba[i] - before.rgba[i]));
-      const glm::vec3 own = glm::abs(glm::vec3(exact.rgba[i] - exact_before.rgba[i]));
-      const glm::vec3 beyond = glm::max(change - own, glm::vec3(0.0f));
-      extra.push_back(std::max({beyond.x, beyond.y, beyond.z}));
-    }
-    max = std::max(max, quantile(extra, kShareOfPixels));
+    max = std::max(max, excessChange(before, SeenFrame(rendered_), SeenFrame(references()[k - 1]),
+                                     SeenFrame(references()[k]))
+                            .light);
   }
   return max;
 }
