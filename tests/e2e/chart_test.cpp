@@ -409,6 +409,7 @@ TEST(Chart, ShowsHowCostGrows) {
     curves.insert(curve.at("curve"));
     for (const Json& point : curve.at("points")) EXPECT_GT(point.at("memory_GB"), 0.0) << curve;
   }
+  for (const auto& row : csv) EXPECT_EQ(row.size(), 12U);
   EXPECT_EQ(csv.size() - 1, points);
   EXPECT_EQ(summary.at("computed"), points);
   // Over splats 5 and 4 with `prepare`; over pixels, blur and threads 4 and 3; over views 2 and 2.

@@ -225,11 +225,11 @@ std::string csvOf(const std::vector<GrowthCurve>& curves) {
       "quality_level\n";
   for (const GrowthCurve& curve : curves) {
     for (const GrowthPoint& one : curve.points) {
-      csv += concat(nameOf(one.axis), ',', exactText(one.size), ',',
-                    one.gaussians ? "Gaussians" : "surfels", ',', one.method, ',',
-                    exactText(one.splats), ',', exactText(one.pixels), ',', exactText(one.blur_px),
-                    ',', one.threads, ',', decimal(one.ms, 3), ',', decimal(one.cpu_ms, 3), ',',
-                    decimal(one.memory_GB, 3), ',',
+      csv += concat(nameOf(one.axis), ",", exactText(one.size), ",",
+                    one.gaussians ? "Gaussians" : "surfels", ",", one.method, ",",
+                    exactText(one.splats), ",", exactText(one.pixels), ",", exactText(one.blur_px),
+                    ",", one.threads, ",", decimal(one.ms, 3), ",", decimal(one.cpu_ms, 3), ",",
+                    decimal(one.memory_GB, 3), ",",
                     one.quality_level ? textOf(*one.quality_level) : "n/a", "\n");
     }
   }
