@@ -291,7 +291,7 @@ def motion(args):
         bold = "**" if value > MOTION_GOALS[column.split(",")[0]] else ""
         return bold + short(value, 2) + bold
 
-    return ("`foci chart --motion`: excess change of `auto` in the worst frame, linear light ([methods.md](methods.md#motion)); bold "
+    return (f"`{' '.join(['foci chart --motion --method auto', *args.quick])}`: excess change in the worst frame, linear light ([methods.md](methods.md#motion)); bold "
             f"exceeds {MOTION_GOALS['head']} (head) or {MOTION_GOALS['focus']} (focus).\n\n" +
             table(["scene"] + columns, [[f"`{scene}`"] + [text(column, found[column]) for column in columns]
                                         for scene, found in worst.items()]))

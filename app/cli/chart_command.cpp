@@ -90,9 +90,13 @@ const auto& rowsOf(const Result& result) {
 }
 
 nlohmann::ordered_json pointJson(const MotionPoint& point) {
-  return {{"scene", point.scene},         {"path", point.path},
-          {"method", point.by()},         {"light_worst", point.light_worst},
-          {"jnd_worst", point.jnd_worst}, {"ms_median", point.ms_median}};
+  return {{"scene", point.scene},
+          {"path", point.path},
+          {"method", point.method.spec()},
+          {"budget_ms", point.budget_ms ? nlohmann::ordered_json(*point.budget_ms) : nullptr},
+          {"light_worst", point.light_worst},
+          {"jnd_worst", point.jnd_worst},
+          {"ms_median", point.ms_median}};
 }
 
 template <class Result>
@@ -189,8 +193,8 @@ void chartAndReport(const ChartOptions& options, const Plan& plan, const std::st
   const auto start = std::chrono::steady_clock::now();
   const std::filesystem::path out = options.out;
   std::vector<std::filesystem::path> outputs = measuredFiles(plan, out);
-  for (const char* extension : {".csv", ".html", ".png"})
-    outputs.push_back(out / (name + extension));
+  for (const char* extension : {".csv", ".html"}) outputs.push_back(out / (name + extension));
+  if (!std::is_same_v<Plan, MotionPlan>) outputs.push_back(out / (name + ".png"));
   for (const auto& file : importedFiles(imported, out)) outputs.push_back(file);
   auto inputs = scanFiles(options.scan);
   for (const ImportedPoint& one : imported) {
@@ -297,7 +301,8 @@ void addChartCommand(CLI::App& app) {
   CLI::App* chart = app.add_subcommand("chart",
                                        "Chart the frame time of every method against its accuracy. "
                                        "The run takes under half an hour;\n"
-                                       "an interrupted run continues where it stopped.\n"
+                                       "interrupted, it continues where it stopped, except "
+                                       "--growth.\n"
                                        "Example: foci chart --out out/chart\n"
                                        "         foci chart --stability --out out/stability\n"
                                        "         foci chart --growth --out out/growth\n"
@@ -306,7 +311,7 @@ void addChartCommand(CLI::App& app) {
   CLI::Option* out =
       chart->add_option("--out", options->out, "folder of the results")->type_name("DIR");
   chart->add_flag("--quick", options->choice.quick,
-                  "two minutes: fewer blurs, settings and runs, times with all threads only");
+                  "minutes: fewer blurs, settings, frames and runs, times with all threads only");
   CLI::Option* stability =
       chart->add_flag("--stability", options->stability,
                       "score the methods on scenes made to break them, each with a dial from "

@@ -20,9 +20,6 @@ glm::uvec4 bitsOf(const glm::vec3& floats, std::uint32_t last) {
   return {glm::floatBitsToUint(floats), last};
 }
 
-/// The kernel's table in the steps of `kernelShape`.
-constexpr int kShapeSteps = 256;
-
 }  // namespace
 
 GpuScene::GpuScene(std::shared_ptr<GpuDevice> device, const SurfelCloud& cloud)
@@ -67,10 +64,9 @@ void GpuScene::uploadSurfels(const SurfelCloud& cloud) {
            to[0] = {cloud.axis_v_m[i], body.empty() ? 0.0f : static_cast<float>(body[i])};
            to[1] = {cloud.color[i], 0.0f};
          });
-  upload(*device_, buffers_.shapes, kShapeSteps + 1, 1, "the kernels", false,
+  upload(*device_, buffers_.shapes, kKernelShapes, 1, "the kernels", false,
          [](std::size_t i, glm::vec4* to) {
-           const KernelShape& shape =
-               kernelShape(kMaxExponent * static_cast<float>(i) / kShapeSteps);
+           const KernelShape& shape = kernelShapes()[i];
            to[0] = {shape.k0, shape.k1, shape.k2, shape.support2};
          });
 }

@@ -43,8 +43,10 @@ KernelShape solveShape(double n) {
 
 std::array<KernelShape, kKernelShapes> tabulateShapes() {
   std::array<KernelShape, kKernelShapes> table{};
-  for (int s = 0; s <= kTableSteps; ++s)
-    table[s] = solveShape(double{kMaxExponent} * s / kTableSteps);
+  for (int s = 0; s <= kTableSteps; ++s) {
+    const double root = static_cast<double>(s) / kTableSteps;
+    table[s] = solveShape(kMaxExponent * root * root);
+  }
   return table;
 }
 

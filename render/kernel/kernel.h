@@ -1,4 +1,4 @@
-// The kernel of every splat: a polynomial of compact support that has the moments of a disc (the
+// The kernel of every splat: of compact support, with the moments of a disc (the
 // circle of confusion) convolved with a Gaussian (the unblurred splat).
 //
 // The unblurred resampling kernel is a Gaussian of variance V (Zwicker et al. 2001). The blur is a
@@ -35,7 +35,8 @@ struct KernelShape {
 /// The largest exponent of the table.
 inline constexpr float kMaxExponent = 2.0f;
 
-/// Kernels with the kurtosis of (1 - q)^n, for n from 0 to kMaxExponent in equal steps.
+/// Kernels with the kurtosis of (1 - q)^n, for n from 0 to kMaxExponent in equal steps of sqrt(n),
+/// with which the rim grows.
 inline constexpr int kKernelShapes = 257;
 const std::array<KernelShape, kKernelShapes>& kernelShapes();
 
@@ -43,7 +44,8 @@ const std::array<KernelShape, kKernelShapes>& kernelShapes();
 /// @param shapes  `kernelShapes()`, at hand in a loop
 inline const KernelShape& kernelShape(const KernelShape* shapes, float n) {
   constexpr float kSteps = kKernelShapes - 1;
-  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kSteps / kMaxExponent) : kSteps;
+  const float s =
+      n < kMaxExponent ? std::sqrt(std::max(n, 0.0f) * (1.0f / kMaxExponent)) * kSteps : kSteps;
   return shapes[static_cast<int>(s + 0.5f)];
 }
 inline const KernelShape& kernelShape(float n) { return kernelShape(kernelShapes().data(), n); }

@@ -10,6 +10,7 @@
 
 #include "app/evaluation/cells.h"
 #include "app/evaluation/csv.h"
+#include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/excess_change.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
@@ -26,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Sizes and numbers are chosen by eye, within the times that docs/methods.md states.
+// Chosen by eye: a quick run takes minutes.
 constexpr int kMotionSize_px = 160, kQuickSize_px = 96;
 constexpr int kQuickViews = 48, kShortPath = 12;
 constexpr float kSampledFor_px = 640.0f;  // width of the images that the scenes are sampled for
@@ -39,7 +40,7 @@ struct MotionScene {
       : seen(scene.make()),
         shared(scene.gaussians ? seen.cloud : withTree(seen.cloud)),
         aperture_m(plan.blur_px / seen.largestBlurThrough_px(1.0)),
-        exact(makeMethod("accumulate:" + std::to_string(plan.views), shared)) {}
+        exact(makeMethod("accumulate:" + std::to_string(plan.views), seen.cloud)) {}  // no nodes
 
   RenderSettings settingsOf(double focus_D, double pupil_mm) const {
     RenderSettings settings = seen.settings;
@@ -151,11 +152,11 @@ class MotionRun {
 struct FramePair {
   const SeenFrame &from, &to, &exact_from, &exact_to;
 
-  Image strip(std::size_t frame) const {
+  Image strip(const std::string& one, const std::string& other) const {
     const Image excess = differenceOf(minus(to.frame, from.frame),
                                       minus(exact_to.frame, exact_from.frame), kDifferenceGain);
     return gridOf({{imageOf(from.frame), imageOf(to.frame), excess}},
-                  {std::to_string(frame), "next", "x " + decimal(kDifferenceGain, 0)});
+                  {one, other, "x " + decimal(kDifferenceGain, 0)});
   }
 };
 
@@ -165,9 +166,11 @@ ChartCells::Lists measurePath(MotionScene& scene, MotionRun& run, std::span<cons
                               Image& worst) {
   ChartCells::Lists lists;
   std::vector<double>&light = lists["light"], &jnd = lists["jnd"], &frames = lists["frame"];
-  const auto measure = [&](std::size_t frame, const FramePair& pair) {
+  const auto warm_up = static_cast<std::ptrdiff_t>(run.ms().size());
+  const auto measure = [&](std::size_t frame, const FramePair& pair, const std::string& one,
+                           const std::string& other) {
     const ExcessChange excess = excessChange(pair.from, pair.to, pair.exact_from, pair.exact_to);
-    if (light.empty() || excess.light > std::ranges::max(light)) worst = pair.strip(frame);
+    if (light.empty() || excess.light > std::ranges::max(light)) worst = pair.strip(one, other);
     light.push_back(excess.light);
     jnd.push_back(excess.jnd);
     frames.push_back(static_cast<double>(frame));
@@ -183,14 +186,15 @@ ChartCells::Lists measurePath(MotionScene& scene, MotionRun& run, std::span<cons
           &scene.reference(view, scene.settingsOf(steps[k].focus_D, steps[k].pupil_mm)));
     }
     if (now.size() == 2) {
-      measure(k, {now[0], now[1], *exact[0], *exact[1]});
+      measure(k, {now[0], now[1], *exact[0], *exact[1]}, "left", "right");
     } else if (k > 0 && !steps[k - 1].in_saccade && !steps[k].in_saccade) {
-      measure(k - 1, {before[0], now[0], *exact_before[0], *exact[0]});
+      measure(k - 1, {before[0], now[0], *exact_before[0], *exact[0]}, std::to_string(k - 1),
+              "next");
     }
     before = std::move(now);
     exact_before = exact;
   }
-  lists["ms"] = run.ms();
+  lists["ms"].assign(run.ms().begin() + warm_up, run.ms().end());
   return lists;
 }
 
@@ -219,6 +223,12 @@ void setFigures(MotionPoint& point, const ChartCells::Lists& lists) {
 
 bool isOwn(const EvaluatedMethod& method) {
   return methodInfo(method.spec()).family == MethodFamily::own;
+}
+
+/// Frames of the path that are rendered.
+std::size_t framesOf(const MotionPlan& plan, const MotionPoint& point) {
+  if (point.path == "saccade") return kMotionFrames;  // focus follows after its latency
+  return static_cast<std::size_t>(isOwn(point.method) ? plan.frames : plan.other_frames);
 }
 
 std::string cellOf(const MotionPoint& point) {
@@ -272,15 +282,17 @@ MotionResult measureMotion(const MotionPlan& plan, const fs::path& folder, const
     if (!planned.input.empty()) result.warnings = scene.emplace(planned, plan).seen.warnings;
     for (const std::string_view path : kMotionPaths) {
       std::vector<MotionStep> steps;
+      bool computes = false;
       for (MotionPoint& point : pointsWithout(planned, path)) {
-        const auto frames =
-            static_cast<std::size_t>(isOwn(point.method) ? plan.frames : plan.other_frames);
+        const std::size_t frames = framesOf(plan, point);
         const std::string key = planned.input + "; " + std::to_string(plan.size_px) + " px; " +
                                 std::to_string(plan.views) + " views; " + std::to_string(frames) +
-                                " frames; ";
+                                " frames; " + threadsText(threadCounts().back()) + "; ";
         std::error_code ignored;
         auto lists = cells.loadLists(cellOf(point), key);
-        if (!fs::exists(folder / point.strip(), ignored)) lists.reset();
+        const bool of_new_budget = point.budget_ms && computes;  // the point before is the same
+        if (of_new_budget || !fs::exists(folder / point.strip(), ignored)) lists.reset();
+        computes = !lists;
         ++(lists ? result.kept : result.computed);
         if (!lists) {
           if (!scene) scene.emplace(planned, plan);

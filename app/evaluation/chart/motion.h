@@ -25,7 +25,8 @@ struct MotionPlan {
   std::vector<ChartScene> scenes = {};
 };
 
-/// Scenes as in a chart, with surfels as far apart in pixels as there.
+/// Scenes as in a chart. The surfels of plane, gallery and mask are as far apart in pixels as
+/// there.
 /// @throws InputError for an unknown scene or method, or a scan that cannot be read
 MotionPlan planMotion(const EvaluationChoice& choice);
 

@@ -7,9 +7,11 @@
 
 #include "app/evaluation/chart/points.h"
 #include "app/evaluation/evaluation_page.h"
+#include "app/evaluation/timed_runs.h"
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
 #include "app/graphics/plot.h"
+#include "app/platform/machine.h"
 #include "base/text.h"
 
 namespace foci {
@@ -61,9 +63,9 @@ std::string motionPage(const MotionPlan& plan, const std::vector<MotionPoint>& p
   std::vector<std::pair<std::string, std::string>> paths;
   paths.reserve(kMotionPaths.size());
   for (const std::string_view path : kMotionPaths) paths.emplace_back(path, path);
+  const Machine machine = describeMachine();
   std::ostringstream out;
-  out << pageStart("foci chart --motion", std::string(kEvaluationStyle) + kChartStyle + kStripStyle,
-                   "<noscript><style>.panel[hidden] { display: block; }</style></noscript>")
+  out << pageStart("foci chart --motion", std::string(kEvaluationStyle) + kChartStyle + kStripStyle)
       << "<h1>Depth of field: motion against time</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
          " &middot; images "
       << plan.size_px << " px wide, blur radius up to " << decimal(plan.blur_px, 0) << " px"
@@ -75,12 +77,13 @@ std::string motionPage(const MotionPlan& plan, const std::vector<MotionPoint>& p
       << "</code>. 99.9 % of the pixels stay below it, in linear light. Down is steadier, left is "
          "faster. No other method is both steadier and faster than a full point. A name with a "
          "time is <code>auto</code> within this frame-time budget. foci's own methods render "
-      << plan.frames << " frames of a path, the others " << plan.other_frames
-      << ".</p>\n<p class=\"legend\">";
+      << plan.frames << " frames of a path, the others " << plan.other_frames << ", and all "
+      << kMotionFrames << " of a saccade. Times: " << escaped(machine.cpu) << ", "
+      << threadsText(threadCounts().back()) << ".</p>\n<p class=\"legend\">";
   writeFamilies(out);
   out << "</p>\n<div class=\"dials\">" << dialHtml("path", "what moves", paths, paths[0].first)
       << "</div>\n<p class=\"quiet\">Below a panel: the worst frame of its first method, the next "
-         "frame, and their excess change times "
+         "frame (of stereo: the other eye's), and their excess change times "
       << decimal(kDifferenceGain, 0)
       << ". Click a point for those of its method.</p>\n<div class=\"panels\">\n";
   for (const ChartScene& scene : plan.scenes) {

@@ -14,6 +14,7 @@
 #include "app/evaluation/timed_runs.h"
 #include "app/platform/machine.h"
 #include "app/session/auto_method.h"
+#include "base/input_error.h"
 #include "base/text.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/gaussian_tree.h"
@@ -159,6 +160,12 @@ GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threa
       }
     }
   }
+  const auto of_pixels = std::ranges::count(plan.points, GrowthAxis::pixels, &GrowthPoint::axis);
+  if (of_pixels == 0) {
+    throw InputError("--growth",
+                     "half of the free memory, " + decimal(memory_GB, 1) +
+                         " GB, does not hold its scenes: use --quick or a smaller --size");
+  }
   return plan;
 }
 
@@ -188,6 +195,7 @@ GrowthResult measureGrowth(GrowthPlan plan, const std::function<void(std::size_t
 }
 
 std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points) {
+  constexpr double kLeast = 1e-3;  // a coarse clock may show no time, and not all systems memory
   std::vector<GrowthCurve> curves;
   for (const GrowthPoint& point : points) {
     const bool views = point.axis == GrowthAxis::views;
@@ -204,8 +212,8 @@ std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points) {
   for (GrowthCurve& curve : curves) {
     std::vector<glm::dvec2> time, memory;
     for (const GrowthPoint& point : curve.points) {
-      time.emplace_back(point.size, point.time_ms());
-      memory.emplace_back(point.size, point.memory_GB);
+      time.emplace_back(point.size, std::max(point.time_ms(), kLeast));
+      memory.emplace_back(point.size, std::max(point.memory_GB, kLeast));
     }
     curve.time = fitGrowth(time);
     curve.memory = fitGrowth(memory);

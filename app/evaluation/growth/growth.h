@@ -47,6 +47,7 @@ inline std::size_t stepsOf(const GrowthPlan& plan) { return plan.points.size(); 
 
 /// @param width_px   of images, 640 unless pixels grow. Splats go with the pixels
 /// @param memory_GB  that scenes may take
+/// @throws InputError if that is too little
 GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threads);
 
 /// A method while one size grows.

@@ -177,7 +177,7 @@ std::vector<StabilityScene> lights() {
 }
 
 std::vector<StabilityScene> sequences() {
-  const std::string change = "change beyond the reference's, 99.9 % quantile";
+  const std::string change = "excess change, 99.9 % quantile";
   return {
       {.name = "focus-sweep",
        .what = "the focus moves by 0.02 D a frame over two textured sheets",

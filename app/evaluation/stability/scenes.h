@@ -27,9 +27,8 @@ struct StabilitySetup {
   std::function<double(const Frame&)> score{};
   /// A background. Its frame is subtracted from the frame of `cloud` before the score is taken.
   std::optional<SurfelCloud> without{};
-  /// Moves view and settings one step further, if something moves. The score is then the change
-  /// from frame to frame beyond the reference's own change: the 99.9 % quantile over the pixels,
-  /// the max over the steps.
+  /// Moves view and settings one step further, if something moves. The score is then the excess
+  /// change (excess_change.h), the max over the steps.
   std::function<void(View&, RenderSettings&)> step{};
 };
 

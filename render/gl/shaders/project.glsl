@@ -158,7 +158,7 @@ const float kSteps = float(kKernelShapes - 1);
 
 Kernel kernelOf(Lane lane, float widen, float blur, float weight) {
   float t = lane.narrow / max(blur, 1e-12), n = 24.0 * t * (1.0 + 2.0 * t);
-  vec4 shape = shapes[n < kMaxExponent ? int(max(n, 0.0) * (kSteps / kMaxExponent) + 0.5) : int(kSteps)];
+  vec4 shape = shapes[n < kMaxExponent ? int(sqrt(max(n, 0.0) * (1.0 / kMaxExponent)) * kSteps + 0.5) : int(kSteps)];
   vec2 own = vec2(lane.vxx, lane.vyy) - lane.prefilter;
   vec2 r = shape.w * (lane.prefilter + widen * own + blur * lane.blur2);
   float rxy = shape.w * (widen * lane.vxy + blur * lane.blur_xy);

@@ -113,8 +113,20 @@ TEST(PlanMotion, HasEverySceneAndMethod) {
   EXPECT_EQ(planMotion({.quick = true, .methods = {"paper"}}).scenes[0].methods.size(), 1u);
 }
 
-// The reference itself has no excess on any path. A pinhole's pupil changes nothing, but the
-// reference's does.
+// A score of 0 means steadiness: in the frames that count, something moves.
+TEST(MeasureMotion, SomethingMovesOnEveryPathOfAQuickRun) {
+  MotionPlan plan =
+      planMotion({.quick = true, .size_px = 24, .scenes = {"plane"}, .methods = {"pinhole"}});
+  plan.views = 3;
+  const TemporaryFolder folder;
+  for (const MotionPoint& one :
+       measureMotion(plan, folder.path(), OutputGuard(), [](std::size_t) {}).points) {
+    EXPECT_GT(one.light_worst, 0.0) << one.path;
+  }
+}
+
+// The reference's own views have almost no excess on any path: the LOD's nodes are the difference.
+// A pinhole's pupil changes nothing, but the reference's does.
 TEST(MeasureMotion, FindsNoExcessInTheReference) {
   MotionPlan plan = planMotion(
       {.quick = true, .size_px = 24, .scenes = {"plane"}, .methods = {"accumulate:3", "pinhole"}});
@@ -124,8 +136,8 @@ TEST(MeasureMotion, FindsNoExcessInTheReference) {
   ASSERT_EQ(result.points.size(), 2 * kMotionPaths.size());
   for (const MotionPoint& one : result.points) {
     if (one.method.name == "accumulate") {
-      EXPECT_EQ(one.light_worst, 0.0) << one.path;
-      EXPECT_EQ(one.jnd_worst, 0.0) << one.path;
+      EXPECT_LT(one.light_worst, 0.002) << one.path;
+      EXPECT_LT(one.jnd_worst, 0.1) << one.path;
     } else if (one.path == "pupil" || one.path == "focus") {
       EXPECT_GT(one.light_worst, 0.0) << one.path;
     }
