@@ -66,8 +66,8 @@ std::optional<std::pair<glm::vec2, glm::vec2>> lineInView_px(const View& view, g
 
 LivePose cameraBehind(const FrameRecord& record, const glm::dvec3& up) {
   constexpr double kMin_m = 1.0;
-  const double away_m =
-      std::max(kMin_m, record.eye.surface_distance_m.value_or(1.0 / record.eye.focus_D));
+  const double focus_m = 1.0 / std::max(record.eye.focus_D, 1.0 / kMaxSight_m);
+  const double away_m = std::max(kMin_m, record.eye.surface_distance_m.value_or(focus_m));
   // The small part keeps it from being zero if the head lies on its side.
   glm::dvec3 right = record.world_from_eye * glm::dvec3(1.0, 0.0, 1e-3);
   right = glm::normalize(right - glm::dot(right, up) * up);

@@ -65,7 +65,7 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
                  float lower_px);
 
 /// Draws gaze markers behind everything, as `drawGazeMarkers` does in an image.
-/// @param area  in the middle of the window, that shows the image
+/// @param area  of the window that shows the image
 void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,
                    const glm::ivec2& image_px, const Area& area);
 

@@ -245,6 +245,8 @@ std::future<OutsideScene> LiveRenderer::outside() {
     request.stereo = StereoView::mono;
     request.split = false;
     request.eyes.resize(1);
+    RenderSettings& settings = request.eyes[0].settings;
+    settings = {.defocus = {}, .background = settings.background, .shading = settings.shading};
     answer->set_value(
         {session_->cloneRenderer(), std::move(request), std::max(threads_, 2u) - 1, last_});
   });
@@ -352,6 +354,12 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
   }
   if (session_) reading_.finish(session_->renderer());
   closeRecord();
+  std::deque<Command> never;  // their promises break
+  {
+    const std::lock_guard lock(mutex_);
+    never.swap(commands_);
+  }
+  never.clear();
   ready_();
 }
 

@@ -131,8 +131,10 @@ std::function<HeadInWorld(double recording_s)> followRecordedHead(const Study& s
     return HeadInWorld{.position_m = glm::dvec3(pose[3]),
                        .world_from_head = glm::normalize(glm::quat_cast(glm::dmat3(pose)))};
   };
-  constexpr double kPathStep_s = 0.05;  // of the path that is shown
-  for (double at_s = first_s; at_s <= trace.samples.back().time_s; at_s += kPathStep_s) {
+  constexpr double kMinStep_s = 0.05, kMaxSteps = 4000.0;  // of the path that is shown
+  const double last_s = trace.samples.back().time_s;
+  const double step_s = std::max(kMinStep_s, (last_s - first_s) / kMaxSteps);
+  for (double at_s = first_s; at_s <= last_s; at_s += step_s) {
     named.playback.path_m.push_back(headAt(at_s).position_m);
   }
   const Screen from = std::exchange(named.screen, named.study->screenInForce());

@@ -289,9 +289,12 @@ void LiveWindow::draw() {
 void LiveWindow::showOutside() {
   if (outside_scene_.valid() &&
       outside_scene_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    OutsideScene scene = outside_scene_.get();
-    const LivePose camera = cameraBehind(scene.last, renderer_->state().study.eye.up);
-    outside_ = std::make_unique<OutsideView>(std::move(scene), camera);
+    try {
+      OutsideScene scene = outside_scene_.get();
+      const LivePose camera = cameraBehind(scene.last, renderer_->state().study.eye.up);
+      outside_ = std::make_unique<OutsideView>(std::move(scene), camera);
+    } catch (const std::future_error&) {  // the renderer has told why there is none
+    }
   }
   if (!outside_) return;
   const glm::ivec2 window_px = window_->frameBufferSize_px();
@@ -304,9 +307,9 @@ void LiveWindow::showOutside() {
     in_outside_texture_ = image;
   }
   outside_texture_->fill({.size_px = window_px});
-  constexpr int kInset = 4;  // of the window's width; chosen by hand
-  const int wide_px = window_px.x / kInset;
-  area_ = {{window_px.x - wide_px, 0}, {wide_px, wide_px * area_.size_px.y / area_.size_px.x}};
+  constexpr int kInset = 4;  // of the window's width and height; chosen by hand
+  const glm::ivec2 inset_px = Area::inside(window_px / kInset, area_.size_px).size_px;
+  area_ = {{window_px.x - inset_px.x, 0}, inset_px};
   drawObserver(trail_, feed_->playback().path_m, frame_->record, outside_->view(), area_);
 }
 

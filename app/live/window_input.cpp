@@ -70,7 +70,7 @@ void LiveWindow::point() {
   if (clicks && !clicked_ && window_->hovered()) pressed_px_ = at_px;
   if ((clicks || clicked_) && glm::distance(at_px, pressed_px_) > kClick_px) orbits_ = true;
   if (!clicks) {
-    if (clicked_ && !orbits_ && in_scene && window_->hovered()) {
+    if (clicked_ && !orbits_ && !outside_ && in_scene && window_->hovered()) {
       const std::string told = feed_->lookedAt(on_screen_px);
       if (!told.empty()) renderer_->tell(told);
     }
@@ -112,7 +112,7 @@ LiveSteering* LiveWindow::steering() {
   return steering_ ? &*steering_ : nullptr;
 }
 
-/// Moves the eye as keys and mouse say.
+/// Moves the eye, or the outside camera, as keys and mouse say.
 void LiveWindow::steer(const std::vector<int>& pressed) {
   constexpr double kFirst_s = 0.01, kMaxPassed_s = 0.05;  // a short press is a step
   const double now_s = clock_.now_s();
@@ -155,17 +155,17 @@ void LiveWindow::sendPose() {
 
 /// Back to the first view, or to that before the last change.
 void LiveWindow::restoreView(bool first) {
-  if (headset_ && first) headset_->recentre();
+  if (headset_ && first && !outside_) headset_->recentre();
   LiveSteering* const steering = this->steering();
   if (!steering) {
     tellWhatMoves();
   } else if (first) {
     steering->reset(clock_.now_s());
     renderer_->tell("the view is where it began");
-    steered_ = !outside_;
+    steered_ |= !outside_;
   } else if (steering->undo()) {
     renderer_->tell("the view is as it was before");
-    steered_ = !outside_;
+    steered_ |= !outside_;
   } else {
     renderer_->tell("no earlier view to go back to");
   }
@@ -324,12 +324,14 @@ void LiveWindow::holdGaze() {
 
 /// The panel then shows the object's name and size.
 void LiveWindow::placeObject() {
-  if (headset_ || !window_->hovered() || ImGui::GetIO().WantCaptureMouse) {
+  const glm::dvec2 at_px = onScreen_px(window_->cursor_px());
+  if (headset_ || !window_->hovered() || !isOver(at_px, screen_) ||
+      ImGui::GetIO().WantCaptureMouse) {
     renderer_->tell(headset_ ? "objects are placed in the window of a screen"
                              : "no surface under the pointer");
     return;
   }
-  renderer_->placeObject(onScreen_px(window_->cursor_px()));
+  renderer_->placeObject(at_px);
   panel_ = true;
 }
 

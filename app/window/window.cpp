@@ -194,7 +194,9 @@ void Window::listen() {
   glfwSetScrollCallback(window_,
                         [](GLFWwindow* window, double, double up) { of(window).wheel_ += up; });
   glfwSetWindowSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
-    of(window).size_px_ = {width, height};
+    Window& here = of(window);
+    here.size_px_ = {width, height};
+    glfwGetCursorPos(window, &here.cursor_px_.x, &here.cursor_px_.y);  // no motion is told
   });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
     of(window).frame_buffer_px_ = {width, height};

@@ -60,6 +60,7 @@ constexpr Magic kMagics[] = {
     {"\xff\xfe"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
     {"\xfe\xff"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
     {"<?xml"sv, "an XML file", kExportTable},
+    {"<!DOCTYPE plist"sv, "an XML file", kExportTable},
     {"<REC "sv, "a log of the Open Gaze API", kExportTable},
     {"version https://git-lfs"sv, "a pointer of Git LFS", "git lfs pull fetches the recording"},
     {"\x7f"
@@ -88,7 +89,7 @@ std::optional<std::string> otherFileKind(std::string_view start,
   }
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   const std::string text = lowered(start.substr(std::min(first, start.size())));
-  if (text.starts_with("<!doctype") || text.starts_with("<html")) {
+  if (text.starts_with("<!doctype html") || text.starts_with("<html")) {
     return kindText("a web page", "download the recording itself");
   }
   if (first != std::string_view::npos && start[first] == '[' && start.find('{') != start.npos) {

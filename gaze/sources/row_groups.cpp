@@ -169,15 +169,19 @@ std::vector<std::string> valuesOf(const Survey& survey, std::size_t candidate, b
   return values;
 }
 
-/// Whether a row often has another value than the row before. The side of a stimulus rests for
-/// long.
+/// Whether a row often has another value than the row before that has one. The side of a stimulus
+/// rests for long.
 bool alternates(const Survey& survey, std::size_t candidate) {
-  const auto& rows = survey.seen();
-  std::size_t changes = 0;
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    changes += rows[i].values[candidate] != rows[i - 1].values[candidate];
+  const std::string* before = nullptr;
+  std::size_t changes = 0, count = 0;
+  for (const Seen& row : survey.seen()) {
+    const std::string& value = row.values[candidate];
+    if (value.empty()) continue;
+    changes += before && value != *before;
+    before = &value;
+    ++count;
   }
-  return static_cast<double>(changes) >= kAlternates * static_cast<double>(rows.size());
+  return static_cast<double>(changes) >= kAlternates * static_cast<double>(count);
 }
 
 /// Whether rows of a column's values alternate and look at places far apart, each group at its own.
@@ -255,16 +259,18 @@ class Grouper {
   void findEye() {
     for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
       auto values = valuesOf(survey_, i, true);
-      std::erase_if(values, [](const std::string& value) {
-        return isWordOf("b both binocular cyclopean combined average avg mean", lowered(value));
-      });
+      const bool has_both =
+          std::erase_if(values, [](const std::string& value) {
+            return isWordOf("b both binocular cyclopean combined average avg mean", lowered(value));
+          }) > 0;
       if (values.size() != 2) continue;
       const auto first = sideNamed(values[0]), second = sideNamed(values[1]);
       const std::string& key = names_.key(survey_.candidates()[i]);
       const bool of_eye = isWordOf(kEyeNames, key);
       const auto a = parseNumber(values[0]), b = parseNumber(values[1]);
       const bool sides = first && second && *first != *second;
-      if (sides && (of_eye || alternates(survey_, i))) {
+      const bool is_certain = of_eye && key != "side" && !has_both;
+      if (sides && (is_certain || alternates(survey_, i))) {
         groups_.eyes[*first] = values[0];
         groups_.eyes[*second] = values[1];
       } else if (of_eye && a && b && std::abs(*a - *b) == 1.0) {

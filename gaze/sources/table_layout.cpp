@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
+#include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/swift_number.h"
@@ -275,34 +278,33 @@ class Recogniser {
     }
   }
 
-  /// Of fixations, the durations differ and fill most of the time. Those of samples are equal, or
-  /// count from the start of a fixation and fill more.
+  /// Of fixations, most rows have durations, which differ and fill most of the time. Those of
+  /// samples are equal, or count from the start of a fixation and fill more, or stand in few rows.
   void refuseFixations() const {
     constexpr std::size_t kEnoughRows = 2048, kFewest = 8;
     constexpr double kMostOf = 0.5, kAllOf = 0.99, kAlike = 0.1;
     const auto duration = find("duration fixationduration fixduration fpogd");
     if (!duration || !layout_.time) return;
-    double filled = 0.0, first = 0.0, last = 0.0, first_lasts = 0.0;
-    std::size_t count = 0, alike = 0;
+    std::size_t rows = 0;
+    std::vector<double> times, durations;
     rows_.survey(kEnoughRows, [&] {
+      ++rows;
       if (std::max(*duration, *layout_.time) >= rows_.size()) return;
       const auto time = fieldNumber(rows_.text(*layout_.time));
       const auto lasts = fieldNumber(rows_.text(*duration));
       if (!time || !lasts) return;
-      if (count++ == 0) {
-        first = *time;
-        first_lasts = *lasts;
-      }
-      last = *time;
-      alike += std::abs(*lasts - first_lasts) <= kAlike * first_lasts;
-      filled += *lasts;
+      times.push_back(*time);
+      durations.push_back(*lasts);
     });
+    if (times.size() < kFewest || 2 * times.size() < rows) return;
+    double filled = std::accumulate(durations.begin(), durations.end(), 0.0);
     const double time_s = names_.secondsPerUnit(*layout_.time);
     const double duration_s = names_.secondsPerUnit(*duration);
     if (time_s > 0.0 && duration_s > 0.0) filled *= duration_s / time_s;
-    const double span = last - first;
-    if (count < kFewest || 2 * alike > count) return;
-    if (filled < kMostOf * span || filled > kAllOf * span) return;
+    const double span = times.back() - times.front(), usual = quantile(durations, 0.5);
+    const auto alike = static_cast<std::size_t>(std::ranges::count_if(
+        durations, [&](double each) { return std::abs(each - usual) <= kAlike * usual; }));
+    if (2 * alike > times.size() || filled < kMostOf * span || filled > kAllOf * span) return;
     throw rows_.error("the rows are fixations or events, by the column " +
                       shown(names_.text(*duration)) + ": export the samples of gaze");
   }

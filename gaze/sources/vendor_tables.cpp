@@ -1,5 +1,5 @@
 // From exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK, PyGaze, Gazepoint,
-// Pupil Core, Neon, SMI BeGaze and GazeBase.
+// Pupil Core, Neon, SMI BeGaze, iMotions and GazeBase.
 
 #include <algorithm>
 #include <array>

@@ -177,7 +177,11 @@ class ObjParser {
              " numbers: expected x y z, x y z w, x y z r g b, x y z r g b a or x y z w r g b");
     }
     // Of a polygon's vertices, all weights are 1.
-    has_alpha_ |= count == 7 && v[3] != 1.0;
+    if (count == 7 && v[3] != 1.0 && !std::exchange(has_alpha_, true)) {
+      for (glm::vec3& color : file_.colors) {  // red was taken for a weight of 1
+        if (color != glm::vec3(-1.0f)) color = {1.0f, color.r, color.g};
+      }
+    }
     const bool colored = count >= 6, weighted = count == 4 || (count == 7 && !has_alpha_);
     const bool scaled = weighted && v[3] != 0.0 && v[3] != 1.0;
     file_.positions.push_back(glm::dvec3(v[0], v[1], v[2]) / (scaled ? v[3] : 1.0));

@@ -324,7 +324,9 @@ std::optional<std::string> wordsOfContent(const FileStart& start) {
     return "is an ESRI ASCII grid, a map of heights: gdal_translate -of XYZ IN OUT.xyz makes "
            "points of it";
   }
-  if (startsWith(start, {"<!DOCTYPE html", "<!doctype html", "<!DOCTYPE HTML", "<html", "<HTML"})) {
+  const std::string_view begun =
+      std::string_view(text).substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  if (begun.starts_with("<!doctype html") || begun.starts_with("<html")) {
     return "is a web page, not the file itself: download it again";
   }
   for (const Mark& mark : kMarks) {
