@@ -121,7 +121,7 @@ class Peers:
             print(f"{name} is skipped: {', '.join(missing)} not installed (--npm)", file=sys.stderr)
             return
         with open(os.path.join(modules, package, "package.json"), encoding="utf-8") as file:
-            version = f"{name} {json.load(file)['version']}, Chromium with SwiftShader"
+            version = f"{json.load(file)['version']} on SwiftShader"
         page = name.lower()
         for scene, cases in itertools.groupby(self.cases, lambda case: os.path.dirname(case[0])):
             cases = list(cases)
