@@ -116,7 +116,7 @@ class Peers:
         """
         modules = os.path.join(npm, "node_modules")
         missing = [one for one in (package, *needs) if not os.path.exists(os.path.join(modules, one, "package.json"))]
-        missing += [] if shutil.which("chromium") else ["chromium"]
+        missing += [] if in_browser.installed() else ["chromium"]
         if missing:
             print(f"{name} is skipped: {', '.join(missing)} not installed (--npm)", file=sys.stderr)
             return
@@ -126,7 +126,7 @@ class Peers:
         for scene, cases in itertools.groupby(self.cases, lambda case: os.path.dirname(case[0])):
             cases = list(cases)
             first = cases[0][1]
-            if not any(file.endswith("gaussians.ply") for file in first["scene"]):
+            if first["scene"] != ["../gaussians.ply"]:  # of surfels it is an approximation
                 continue
             with open(os.path.join(self.folder, scene, "transforms.json"), encoding="utf-8") as file:
                 camera = json.load(file)
@@ -139,7 +139,7 @@ class Peers:
                     pictures.append({"file": image, "focus_m": case["lens"]["focus_m"],
                                      "aperture_m": share * case["lens"]["aperture_m"]})
                     wanted.append((name + suffix, case, image))
-            ms = in_browser.milliseconds(f"{page}.html", self.folder, modules, {
+            ms = in_browser.milliseconds(os.path.join(HERE, f"{page}.html"), self.folder, modules, {
                 "gaussians": f"/cases/{scene}/gaussians.ply", "image_px": first["image_px"],
                 "background_linear_rgb": first["background_linear_rgb"], "fov_y_rad": camera["camera_angle_y"],
                 "world_from_camera": camera["frames"][0]["transform_matrix"], "pictures": pictures})
