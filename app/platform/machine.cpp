@@ -2,7 +2,9 @@
 
 #include <malloc.h>
 #include <sched.h>
+#include <sys/resource.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -132,8 +134,10 @@ OneCore::~OneCore() {
 }
 
 void yieldToOtherThreads() {
+  constexpr int kNice = 10;  // setpriority(2)
   const sched_param usual{};
-  (void)sched_setscheduler(0, SCHED_IDLE, &usual);
+  (void)sched_setscheduler(0, SCHED_BATCH, &usual);
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
 }
 
 }  // namespace foci

@@ -58,8 +58,8 @@ class OneCore {
   std::unique_ptr<Cores> before_;  // null: nothing was changed
 };
 
-/// From now on the calling thread runs where no other thread wants the core, if the system allows
-/// that. Linux takes such a core for a free one: a thread that wakes begins there at once.
+/// From now on the calling thread takes about a tenth of a core beside a thread that does not
+/// yield, if the system allows that.
 void yieldToOtherThreads();
 
 }  // namespace foci
