@@ -298,30 +298,29 @@ def motion(args):
 
 
 def peers(args):
-    cases, out = (os.path.join(args.out, "peers", name) for name in ("cases", "chart"))
-    scenes = ["--size", "320", "--scene", "ball", "--scene", "gallery"]
-    run(args.foci, "chart", "--quick", *scenes, "--export", cases, "--overwrite")
-    run(sys.executable, os.path.join(ROOT, "tests", "peers", "peers.py"), cases)
-    run(args.foci, "chart", "--quick", *scenes, "--import", cases, "--out", out, "--overwrite",
-        *(word for name in ("pinhole", "auto", "sweep-lod:7") for word in ("--method", name)))
-    cells, renderers, columns = {}, {}, []
-    rows = rows_of(os.path.join(out, "chart.csv"))
-    largest = max(float(row["blur_px"]) for row in rows)
-    for row in rows:
-        if float(row["blur_px"]) != largest:
-            continue
-        method = row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"])
-        if row["renderer"] != "n/a":
-            renderers[row["method"].split(":")[0]] = row["renderer"]
-        columns += [] if method in columns else [method]
-        cells.setdefault(f"{row['scene']}, {short(row['blur_px'])} px", {})[method] = ", ".join(
-            short(row[name]) for name in ("ms_median", "psnr_dB", "flip"))
-    named = "; ".join(f"`{name}`: {version}" for name, version in sorted(renderers.items()))
-    return ("`tests/peers/peers.py` on exported cases, charted by `foci chart --import` "
-            "([methods.md](methods.md#other-renderers)): ms, PSNR in dB, FLIP. `game-blur` gathers "
-            f"from one sharp image with its depth, in Python. {named}.\n\n" +
-            table(["case"] + [f"`{name}`" for name in columns],
-                  [[case] + [found.get(name, "") for name in columns] for case, found in cells.items()]))
+    cells, renderers, cases = {}, {}, []
+    for scene, size in (("ball", "320"), ("garden", "200")):
+        exported, out = (os.path.join(args.out, "peers", scene, name) for name in ("cases", "chart"))
+        chart = (args.foci, "chart", "--quick", "--size", size, "--scene", scene, "--overwrite")
+        run(*chart, "--export", exported)
+        run(sys.executable, os.path.join(ROOT, "tests", "peers", "peers.py"), exported, "--samples", "64", "256")
+        run(*chart, "--import", exported, "--out", out, *(word for name in ("pinhole", "auto") for word in ("--method", name)))
+        rows = rows_of(os.path.join(out, "chart.csv"))
+        largest = max(float(row["blur_px"]) for row in rows)
+        cases.append(f"{scene}, {short(largest)} px")
+        for row in rows:
+            if float(row["blur_px"]) != largest:
+                continue
+            method = row["method"]
+            if row["renderer"] != "n/a":
+                renderers[method.split(":")[0]] = row["renderer"].rsplit(", ", 2)[0]  # without this machine
+            cells.setdefault(method, {})[cases[-1]] = ", ".join(short(row[name]) for name in ("ms_median", "psnr_dB", "flip"))
+    versions = "; ".join(f"`{name}`: {version}" for name, version in renderers.items())
+    return ("`tests/peers/peers.py` "
+            "([methods.md](methods.md#other-renderers)): ms, PSNR in dB, FLIP. `game-blur` gathers from one sharp image with its "
+            "depth, in Python. `Spark` blurs as `inflate:spark` (with half the aperture, by the disc's variance), "
+            f"and its 8 bits lose faint Gaussians. `PlayCanvas` has no lens. {versions}.\n\n" +
+            table(["renderer"] + cases, [[f"`{name}`"] + [found.get(case, "") for case in cases] for name, found in cells.items()]))
 
 
 def growth(args):
@@ -633,7 +632,7 @@ def main():
                 texts[name] = f"## {TITLES[name]}\n\n{stamped}\n\n{text}"
     with open(PAGE, "w", encoding="utf-8") as page:
         page.write("# Results\n\n`docs/results.py` measures foci and writes this page: do not edit it.\n"
-                   "The section on Gaussian scenes is measured by hand, and so are the figures of [batch.md](batch.md).\n"
+                   "The section on Gaussian scenes and the figures of [batch.md](batch.md) are measured by hand.\n"
                    "Times vary between runs; compare ratios.\n")
         for name in SECTIONS:
             text = texts.get(name, f"## {TITLES[name]}\n\nNot measured yet: `python3 docs/results.py --only {name}`.")

@@ -20,6 +20,8 @@ def program():
 class Chromium:
     """A page at a time. `errors` has the script errors of the page, and what its console calls an error."""
 
+    patience_s = 60  # for an answer
+
     def __init__(self, width=600, height=500):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_browser, self.sends = os.pipe()
@@ -93,7 +95,7 @@ class Chromium:
         data = json.dumps(message).encode() + b"\0"
         while data:
             data = data[os.write(self.sends, data):]
-        until = time.monotonic() + 60
+        until = time.monotonic() + self.patience_s
         while (answer := self.hear(until)).get("id") != self.number:
             pass
         if "error" in answer:
@@ -104,9 +106,12 @@ class Chromium:
         """Loads a file."""
         self.call("Emulation.setEmulatedMedia",
                   features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+        self.visit(page.resolve().as_uri())
+
+    def visit(self, url):
         self.events, self.errors = [], []
-        self.call("Page.navigate", url=page.resolve().as_uri())
-        until = time.monotonic() + 60
+        self.call("Page.navigate", url=url)
+        until = time.monotonic() + self.patience_s
         while "Page.loadEventFired" not in self.events:
             self.hear(until)
 

@@ -5,12 +5,17 @@
     python3 tests/peers/peers.py out/cases
     foci chart --quick --scene ball --scene gallery --import out/cases --out out/peers
 
-The blur of games (game_blur.py) renders every case, Blender Cycles those of a mesh. A renderer that is not installed is
-skipped, with a line.
+The blur of games (game_blur.py) renders every case, Blender Cycles those of a mesh; Spark and PlayCanvas those of
+Gaussians, in Chromium. These two are looked for in the folder of --npm:
+
+    npm install --prefix out/npm @sparkjsdev/spark three playcanvas
+
+A renderer that is not installed is skipped, with a line.
 """
 
 import argparse
 import glob
+import itertools
 import json
 import os
 import re
@@ -18,6 +23,8 @@ import shutil
 import subprocess
 import sys
 import time
+
+import in_browser
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -101,16 +108,58 @@ class Peers:
                 image = f"{name}/cycles_{count}.exr"
                 self.add(f"Cycles:{count}", version, case, rendered(name, image, count), image, sharp)
 
+    def viewer(self, name, package, needs, npm, shares):
+        """Renders the cases of Gaussians by a page of that name.
+
+        shares: suffix of the name -> share of the aperture that the viewer is told; none: it has no lens, and its
+        sharp image counts
+        """
+        modules = os.path.join(npm, "node_modules")
+        missing = [one for one in (package, *needs) if not os.path.exists(os.path.join(modules, one, "package.json"))]
+        missing += [] if in_browser.installed() else ["chromium"]
+        if missing:
+            print(f"{name} is skipped: {', '.join(missing)} not installed (--npm)", file=sys.stderr)
+            return
+        with open(os.path.join(modules, package, "package.json"), encoding="utf-8") as file:
+            version = f"{json.load(file)['version']} on SwiftShader"
+        page = name.lower()
+        for scene, cases in itertools.groupby(self.cases, lambda case: os.path.dirname(case[0])):
+            cases = list(cases)
+            first = cases[0][1]
+            if first["scene"] != ["../gaussians.ply"]:  # of surfels it is an approximation
+                continue
+            with open(os.path.join(self.folder, scene, "transforms.json"), encoding="utf-8") as file:
+                camera = json.load(file)
+            sharp = f"{scene}/{page}_sharp.png"
+            pictures, wanted = [{"file": sharp}], []
+            for case_name, case in cases:
+                wanted += [] if shares else [(name, case, sharp)]
+                for suffix, share in shares.items():
+                    image = f"{case_name}/{page}{suffix.replace(':', '_')}.png"
+                    pictures.append({"file": image, "focus_m": case["lens"]["focus_m"],
+                                     "aperture_m": share * case["lens"]["aperture_m"]})
+                    wanted.append((name + suffix, case, image))
+            ms = in_browser.milliseconds(os.path.join(HERE, f"{page}.html"), self.folder, modules, {
+                "gaussians": f"/cases/{scene}/gaussians.ply", "image_px": first["image_px"],
+                "background_linear_rgb": first["background_linear_rgb"], "fov_y_rad": camera["camera_angle_y"],
+                "world_from_camera": camera["frames"][0]["transform_matrix"], "pictures": pictures})
+            for renderer, case, image in wanted:
+                self.add(renderer, version, case, ms[image], image, sharp)
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", help="folder that foci chart --export wrote")
+    parser.add_argument("--npm", default=os.path.join("out", "npm"), help="folder of npm install --prefix (%(default)s)")
     parser.add_argument("--samples", type=int, nargs="+", default=[16, 64, 256], help="of Cycles, a pixel")
     args = parser.parse_args()
     peers = Peers(args.cases)
     try:
         peers.game_blur()
         peers.cycles(args.samples)
+        # Spark's blur is a Gaussian whose standard deviation is the disc's radius; half of it has the disc's variance.
+        peers.viewer("Spark", "@sparkjsdev/spark", ["three"], args.npm, {"": 1.0, ":half-aperture": 0.5})
+        peers.viewer("PlayCanvas", "playcanvas", [], args.npm, {})
     finally:
         peers.write()
 
