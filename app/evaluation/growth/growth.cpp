@@ -137,7 +137,9 @@ GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threa
   for (const bool gaussians : {false, true}) {
     for (const auto& [axis, values] : axes) {
       for (const double value : values) {
-        const auto at = [&](GrowthAxis of, double base) { return axis == of ? value : base; };
+        const auto at = [&, axis = axis](GrowthAxis of, double base) {
+          return axis == of ? value : base;
+        };
         GrowthPoint point{.axis = axis,
                           .size = value,
                           .gaussians = gaussians,
