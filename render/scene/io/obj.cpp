@@ -176,8 +176,8 @@ class ObjParser {
       refuse("a vertex has ", count,
              " numbers: expected x y z, x y z w, x y z r g b, x y z r g b a or x y z w r g b");
     }
-    // Of a polygon's vertices, all weights are 1.
-    if (count == 7 && v[3] != 1.0 && !std::exchange(has_alpha_, true)) {
+    // Weights of coloured vertices are 1, and hardly ever less.
+    if (count == 7 && v[3] >= 0.0 && v[3] < 1.0 && !std::exchange(has_alpha_, true)) {
       for (glm::vec3& color : file_.colors) {  // red was taken for a weight of 1
         if (color != glm::vec3(-1.0f)) color = {1.0f, color.r, color.g};
       }
