@@ -180,7 +180,7 @@ GrowthResult chart(const GrowthPlan& plan, const Imported& /*none*/,
 MotionResult chart(const MotionPlan& plan, const Imported& /*none*/,
                    const std::filesystem::path& out, const OutputGuard& guard) {
   OutputFolder output(out, guard);
-  const MotionResult result = measureMotion(plan, out, guard, progressOf(stepsOf(plan)));
+  MotionResult result = measureMotion(plan, out, guard, progressOf(stepsOf(plan)));
   output.write("motion.csv", csvOf(result.points));
   output.write("motion.html", motionPage(plan, result.points, result.warnings));
   output.commit();

@@ -171,7 +171,8 @@ GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threa
   return plan;
 }
 
-GrowthResult measureGrowth(GrowthPlan plan, const std::function<void(std::size_t)>& on_steps) {
+GrowthResult measureGrowth(const GrowthPlan& plan,
+                           const std::function<void(std::size_t)>& on_steps) {
   std::optional<GrownScene> scene;
   const auto sceneOf = [](const GrowthPoint& one) {
     return std::tuple(one.axis == GrowthAxis::blur, one.gaussians, one.splats, one.pixels);

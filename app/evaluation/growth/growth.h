@@ -69,7 +69,8 @@ struct GrowthResult {
 };
 
 /// @param on_steps  called with the number of steps done since the last call
-GrowthResult measureGrowth(GrowthPlan plan, const std::function<void(std::size_t)>& on_steps);
+GrowthResult measureGrowth(const GrowthPlan& plan,
+                           const std::function<void(std::size_t)>& on_steps);
 
 /// growth.csv.
 std::string csvOf(const std::vector<GrowthCurve>& curves);
