@@ -14,11 +14,11 @@ constexpr double kShareOfPixels = 0.999;  // whose change a score bounds; chosen
 
 }  // namespace
 
-SeenFrame::SeenFrame(Frame rendered)
+FrameInLab::FrameInLab(Frame rendered)
     : frame(std::move(rendered)), lab(labOf(frame, kUsualPx_per_deg)) {}
 
-ExcessChange excessChange(const SeenFrame& from, const SeenFrame& to, const SeenFrame& exact_from,
-                          const SeenFrame& exact_to) {
+ExcessChange excessChange(const FrameInLab& from, const FrameInLab& to,
+                          const FrameInLab& exact_from, const FrameInLab& exact_to) {
   const std::size_t pixels = to.frame.rgba.size();
   assert(from.lab.size() == pixels && exact_from.lab.size() == pixels &&
          exact_to.lab.size() == pixels);

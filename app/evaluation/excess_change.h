@@ -10,8 +10,8 @@
 namespace foci {
 
 /// A frame, and how an eye sees it.
-struct SeenFrame {
-  explicit SeenFrame(Frame rendered);
+struct FrameInLab {
+  explicit FrameInLab(Frame rendered);
 
   Frame frame;
   std::vector<glm::vec3> lab;  ///< `labOf` the frame at `kUsualPx_per_deg`
@@ -24,8 +24,8 @@ struct ExcessChange {
 };
 
 /// The frames have one size (asserted).
-ExcessChange excessChange(const SeenFrame& from, const SeenFrame& to, const SeenFrame& exact_from,
-                          const SeenFrame& exact_to);
+ExcessChange excessChange(const FrameInLab& from, const FrameInLab& to, const FrameInLab& exact_from,
+                          const FrameInLab& exact_to);
 
 /// The frame less another one of its size (asserted).
 Frame minus(Frame frame, const Frame& without);

@@ -49,14 +49,14 @@ struct MotionScene {
     return settings;
   }
 
-  const SeenFrame& reference(const View& view, const RenderSettings& settings) {
+  const FrameInLab& reference(const View& view, const RenderSettings& settings) {
     auto known = std::ranges::find_if(references, [&](const Reference& one) {
       return one.view == view && one.settings == settings;
     });
     if (known == references.end()) {
       Frame frame;
       exact->render(view, settings, frame);
-      known = references.insert(known, {view, settings, SeenFrame(std::move(frame))});
+      known = references.insert(known, {view, settings, FrameInLab(std::move(frame))});
     }
     known->paths_ago = 0;
     return known->frame;
@@ -69,7 +69,7 @@ struct MotionScene {
   struct Reference {
     View view;
     RenderSettings settings;
-    SeenFrame frame;
+    FrameInLab frame;
     int paths_ago = 0;
   };
   SceneInView seen;
@@ -150,7 +150,7 @@ class MotionRun {
 
 /// Frames of one eye and the next, or of the left eye and the right one.
 struct FramePair {
-  const SeenFrame &from, &to, &exact_from, &exact_to;
+  const FrameInLab &from, &to, &exact_from, &exact_to;
 
   Image strip(const std::string& one, const std::string& other) const {
     const Image excess = differenceOf(minus(to.frame, from.frame),
@@ -175,11 +175,11 @@ ChartCells::Lists measurePath(MotionScene& scene, MotionRun& run, std::span<cons
     jnd.push_back(excess.jnd);
     frames.push_back(static_cast<double>(frame));
   };
-  std::vector<SeenFrame> before;
-  std::vector<const SeenFrame*> exact_before;
+  std::vector<FrameInLab> before;
+  std::vector<const FrameInLab*> exact_before;
   for (std::size_t k = 0; k < steps.size(); ++k) {
-    std::vector<SeenFrame> now;
-    std::vector<const SeenFrame*> exact;
+    std::vector<FrameInLab> now;
+    std::vector<const FrameInLab*> exact;
     for (const Frame& frame : run.render(steps[k])) now.emplace_back(frame);
     for (const View& view : steps[k].views) {
       exact.push_back(

@@ -273,11 +273,11 @@ double StabilityTrial::popping(std::string_view method) {
   double max = 0.0;
   tested->render(view, settings, rendered_);
   for (std::size_t k = 1; k < references().size(); ++k) {
-    const SeenFrame before(rendered_);
+    const FrameInLab before(rendered_);
     setup_.step(view, settings);
     tested->render(view, settings, rendered_);
-    max = std::max(max, excessChange(before, SeenFrame(rendered_), SeenFrame(references()[k - 1]),
-                                     SeenFrame(references()[k]))
+    max = std::max(max, excessChange(before, FrameInLab(rendered_), FrameInLab(references()[k - 1]),
+                                     FrameInLab(references()[k]))
                             .light);
   }
   return max;

@@ -16,31 +16,31 @@ namespace FOCI_FILE {
 constexpr double kRounding = 1e-6;  // of floats near 1
 constexpr double kLabRounding = 1e-4;
 
-SeenFrame grey(float light) {
+FrameInLab grey(float light) {
   Frame frame;
   frame.resize({50, 40});
   frame.rgba.assign(frame.rgba.size(), glm::vec4(light, light, light, 1.0f));
-  return SeenFrame(std::move(frame));
+  return FrameInLab(std::move(frame));
 }
 
 /// The same, brighter in red in the first pixels.
-SeenFrame brighter(const SeenFrame& of, std::size_t pixels, float by) {
+FrameInLab brighter(const FrameInLab& of, std::size_t pixels, float by) {
   Frame frame = of.frame;
   for (std::size_t i = 0; i < pixels; ++i) frame.rgba[i].r += by;
-  return SeenFrame(std::move(frame));
+  return FrameInLab(std::move(frame));
 }
 
 TEST(ExcessChange, IsNoneWhereTheReferenceChangesAsMuch) {
-  const SeenFrame dark = grey(0.2f), light = grey(0.7f);
+  const FrameInLab dark = grey(0.2f), light = grey(0.7f);
   EXPECT_EQ(excessChange(dark, light, dark, light).light, 0.0);
   EXPECT_EQ(excessChange(dark, light, dark, light).jnd, 0.0);
   // An error that stays is no change.
-  const SeenFrame off = brighter(dark, 2000, 0.1f), off_too = brighter(light, 2000, 0.1f);
+  const FrameInLab off = brighter(dark, 2000, 0.1f), off_too = brighter(light, 2000, 0.1f);
   EXPECT_NEAR(excessChange(off, off_too, dark, light).light, 0.0, kRounding);
 }
 
 TEST(ExcessChange, FindsAKnownExcessOfMoreThanAThousandthOfThePixels) {
-  const SeenFrame still = grey(0.3f);
+  const FrameInLab still = grey(0.3f);
   EXPECT_NEAR(excessChange(still, brighter(still, 4, 0.1f), still, still).light, 0.1, kRounding);
   EXPECT_EQ(excessChange(still, brighter(still, 1, 0.1f), still, still).light, 0.0);
   // Less change than the reference's is an excess too: the frame lags behind.
