@@ -15,7 +15,6 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kSurveyed = 2048;
 constexpr std::size_t kMaxValues = 12;   // of a column that tells groups apart
 constexpr std::size_t kMinRuns = 3;      // of foreign rows; fewer are chance
 constexpr std::size_t kMinPlaces = 100;  // fewer show no groups
@@ -72,7 +71,7 @@ class Survey {
     for (const ColumnRole& role : layout.roles) {
       if (role.kind == ColumnRole::Kind::gaze) gaze.push_back(role.column);
     }
-    rows_.survey(kSurveyed, [&] {
+    rows_.survey(kSurveyedRows, [&] {
       Seen seen{.has_gaze = layout.isFilled(rows, false), .is_blank = !layout.isFilled(rows, true)};
       if (layout_.time && *layout_.time < rows_.size()) seen.time = numberAt(*layout_.time);
       seen.place = placeOf(gaze);
@@ -137,7 +136,7 @@ class Survey {
   /// Unused columns of few values.
   void findCandidates() {
     std::vector<std::vector<std::string>> values(names_.size());
-    rows_.survey(kSurveyed, [&] {
+    rows_.survey(kSurveyedRows, [&] {
       for (std::size_t i = 0; i < std::min(values.size(), rows_.size()); ++i) {
         if (values[i].size() > kMaxValues || rows_.areNumbers()) continue;
         const std::string_view text = rows_.text(i);

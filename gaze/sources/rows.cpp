@@ -231,8 +231,9 @@ void TextRows::readNamesAsRow() {
 bool TextRows::readLine(std::string_view& line) {
   while (lines_.next(line)) {
     if (trimmed(line).empty()) continue;
-    const bool is_absent = equalsIgnoringCase(line.substr(0, 4), "#n/a");
-    if (!has_comments_ || line.front() != '#' || is_absent) return true;
+    const bool is_comment =
+        has_comments_ && line.front() == '#' && !equalsIgnoringCase(line.substr(0, 4), "#n/a");
+    if (!is_comment) return true;
   }
   return false;
 }

@@ -48,6 +48,9 @@ int pixelsIn(const Place& place, std::string_view key, std::string_view text);
 inline constexpr const char* kCutOff =
     "the last line is cut off and left out: is the file complete?";
 
+/// Rows that tell what a table is: its groups, units and codes.
+inline constexpr std::size_t kSurveyedRows = 2048;
+
 class Rows : public Place {
  public:
   Rows() = default;
@@ -68,7 +71,7 @@ class Rows : public Place {
   /// @return false at the end
   virtual bool next() = 0;
 
-  /// Visits the first rows. The next row is then the first one again.
+  /// Visits the first rows, at most so many. The next row is then the first one again.
   virtual void survey(std::size_t most, const std::function<void()>& visit) = 0;
 
   /// The line of names is a row itself. Call before `next`.

@@ -281,13 +281,13 @@ class Recogniser {
   /// Of fixations, most rows have durations, which differ and fill most of the time. Those of
   /// samples are equal, or count from the start of a fixation and fill more, or stand in few rows.
   void refuseFixations() const {
-    constexpr std::size_t kEnoughRows = 2048, kFewest = 8;
+    constexpr std::size_t kFewest = 8;
     constexpr double kMostOf = 0.5, kAllOf = 0.99, kAlike = 0.1;
     const auto duration = find("duration fixationduration fixduration fpogd");
     if (!duration || !layout_.time) return;
     std::size_t rows = 0;
     std::vector<double> times, durations;
-    rows_.survey(kEnoughRows, [&] {
+    rows_.survey(kSurveyedRows, [&] {
       ++rows;
       if (std::max(*duration, *layout_.time) >= rows_.size()) return;
       const auto time = fieldNumber(rows_.text(*layout_.time));
@@ -311,9 +311,8 @@ class Recogniser {
 
   /// Whether a column has a number other than 0. PsychoPy's z of gaze has none.
   bool isUsed(std::size_t column) const {
-    constexpr std::size_t kEnoughRows = 2048;
     bool any = false;
-    rows_.survey(kEnoughRows, [&] {
+    rows_.survey(kSurveyedRows, [&] {
       any |= column < rows_.size() && !rows_.isAbsent(column) &&
              fieldNumber(rows_.text(column)) != 0.0;
     });

@@ -226,10 +226,10 @@ bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
 }
 
 void judgeValidity(Rows& rows, TableLayout& layout) {
-  constexpr std::size_t kSurveyed = 2048, kEnough = 20, kMostly = 9;
+  constexpr std::size_t kEnough = 20, kMostly = 9;
   if (!layout.eyes[0].validity && !layout.eyes[1].validity) return;
   ValidityCounts seen;
-  rows.survey(kSurveyed, [&] {
+  rows.survey(kSurveyedRows, [&] {
     for (const EyeColumns& eye : layout.eyes) seen.add(rows, eye);
   });
   const ValidityCode stated = layout.validity_code;

@@ -24,16 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Apertures of consecutive timed frames differ by this share, so that no method can reuse its
-/// previous frame. Chosen by eye: too small to change the time. None is larger than the one that
-/// errors are measured with: it might ask `auto` for a better quality level.
-constexpr double kAperturesApart = 1e-3;
-
-/// The first frame of a method finds cold buffers, so its time does not count. It counts if it
-/// takes this many times as long as all timed frames may. Chosen by eye: such a method is timed
-/// once.
-constexpr double kSlow = 4.0;
-
 /// All cells of one scene at one blur.
 class ChartGroup {
  public:
@@ -168,7 +158,7 @@ class ChartGroup {
     cell.tolerance_met = stats.tolerance_met;
     cell.quality_level = stats.quality_level;
     cell.first_ms = stats.ms;
-    if (stats.ms > kSlow * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
+    if (stats.ms > kSlowFirst * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
     const std::string image = imageFile(scene_.id, blur_px_, method);
     parallelFor(2, [&](std::size_t i) {
       if (i == 0) {

@@ -87,7 +87,6 @@ struct GrownScene {
 /// Renders as `measureChart` does: `auto` has compared its levels, no frame can be reused, and the
 /// first frame does not count unless it is slow.
 void measureFrames(GrowthPoint& point, const GrownScene& scene, double timing_ms) {
-  constexpr double kGrowthSlow = 4.0, kApart = 1e-3;
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, point.threads);
   const double aperture_m = point.blur_px / scene.blur_per_aperture;
   forgetPeakMemory();
@@ -99,9 +98,9 @@ void measureFrames(GrowthPoint& point, const GrownScene& scene, double timing_ms
   }
   Frame frame;
   std::vector<double> ms, cpu_ms;
-  double left_ms = kGrowthSlow * timing_ms;
+  double left_ms = kSlowFirst * timing_ms;
   while (left_ms > 0.0 && ms.size() <= kMaxRuns) {
-    const double off = ms.size() % 2 == 0 ? 0.0 : kApart;
+    const double off = ms.size() % 2 == 0 ? 0.0 : kAperturesApart;
     const RenderSettings settings = scene.seen.settingsThrough(aperture_m * (1.0 - off));
     const Spent spent;
     point.quality_level = method->render(scene.seen.view, settings, frame).quality_level;
@@ -198,7 +197,6 @@ GrowthResult measureGrowth(const GrowthPlan& plan,
 }
 
 std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points) {
-  constexpr double kLeast = 1e-3;  // a coarse clock may show no time, and not all systems memory
   std::vector<GrowthCurve> curves;
   for (const GrowthPoint& point : points) {
     const bool views = point.axis == GrowthAxis::views;
@@ -215,8 +213,8 @@ std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points) {
   for (GrowthCurve& curve : curves) {
     std::vector<glm::dvec2> time, memory;
     for (const GrowthPoint& point : curve.points) {
-      time.emplace_back(point.size, std::max(point.time_ms(), kLeast));
-      memory.emplace_back(point.size, std::max(point.memory_GB, kLeast));
+      time.emplace_back(point.size, point.time_ms());
+      memory.emplace_back(point.size, point.leastMemory_GB());
     }
     curve.time = fitGrowth(time);
     curve.memory = fitGrowth(memory);

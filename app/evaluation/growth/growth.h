@@ -2,6 +2,7 @@
 // plane; of surfels, and of Gaussians on these.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -34,8 +35,11 @@ struct GrowthPoint {
   double memory_GB = 0.0;         ///< peak of the process
   std::optional<QualityLevel> quality_level = {};
 
-  /// CPU time, which other programs disturb least; over threads, wall time.
-  double time_ms() const { return axis == GrowthAxis::threads ? ms : cpu_ms; }
+  /// CPU time, which other programs disturb least; over threads, wall time. For logarithms at least
+  /// 1 us, as a coarse clock may show none.
+  double time_ms() const { return std::max(axis == GrowthAxis::threads ? ms : cpu_ms, 1e-3); }
+  /// For logarithms at least 1 MB, as not all systems state it.
+  double leastMemory_GB() const { return std::max(memory_GB, 1e-3); }
 };
 
 struct GrowthPlan {

@@ -46,7 +46,7 @@ Plot growthPlot(const ShownAxis& shown, const std::vector<const GrowthCurve*>& c
                     .dashed = curve->method.starts_with("sweep-lod")};
     for (const GrowthPoint& point : curve->points) {
       sizes.push_back(point.size / shown.unit);
-      costs.push_back(std::max(shown.memory ? point.memory_GB : point.time_ms(), 1e-3));
+      costs.push_back(shown.memory ? point.leastMemory_GB() : point.time_ms());
       const auto& level = point.quality_level;
       line.points.push_back({.x = sizes.back(),
                              .y = costs.back(),
@@ -111,7 +111,7 @@ std::optional<StudyNeeds> needsOf(double splats, bool gaussians,
     if (curve.method != kAutoMethod && curve.method != kPrepare) continue;
     std::vector<glm::dvec2> time;
     for (const GrowthPoint& point : curve.points) {
-      time.emplace_back(point.size, 1e-3 * std::max(point.cpu_ms, 1e-3));
+      time.emplace_back(point.size, 1e-3 * point.time_ms());
     }
     if (!needs) needs.emplace();
     const GrowthPoint& last = curve.points.back();
