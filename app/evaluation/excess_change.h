@@ -24,8 +24,8 @@ struct ExcessChange {
 };
 
 /// The frames have one size (asserted).
-ExcessChange excessChange(const FrameInLab& from, const FrameInLab& to, const FrameInLab& exact_from,
-                          const FrameInLab& exact_to);
+ExcessChange excessChange(const FrameInLab& from, const FrameInLab& to,
+                          const FrameInLab& exact_from, const FrameInLab& exact_to);
 
 /// The frame less another one of its size (asserted).
 Frame minus(Frame frame, const Frame& without);
