@@ -66,22 +66,22 @@ std::string sharedConstants() {
          FOCI_SHARED(kSigmasAStep) + FOCI_SHARED(kBlurredSteps) +
          FOCI_SHARED(kSubAperturesFrom_px) + FOCI_SHARED(kSubAperturesOnly_px) +
          FOCI_SHARED(kLongAxis) + FOCI_SHARED(kComaOverlap) + FOCI_SHARED(kMinTilt) +
-         FOCI_SHARED(kHighlight) + FOCI_SHARED(kFiner) + FOCI_SHARED(kCoarser) +
-         FOCI_SHARED(kFrontCover) + FOCI_SHARED(kTwoSurfaces) + FOCI_SHARED(kMeanScale) +
-         FOCI_SHARED(kMeanNoise) + FOCI_SHARED(kFoldScale) + FOCI_SHARED(kFoldMean) +
-         FOCI_SHARED(kSegmentBend) + FOCI_SHARED(kChord12) + FOCI_SHARED(kChord4) +
-         FOCI_SHARED(kChord0) + FOCI_SHARED(kHalfDiscMoment) + FOCI_SHARED(kCutFade) +
-         FOCI_SHARED(kWidestReach) + FOCI_SHARED(kEdgeOn) + FOCI_SHARED(kLowPassReach_px) +
-         FOCI_SHARED(kLowPass_px2) + FOCI_SHARED(kMaxAlphaOfGaussian) +
-         FOCI_SHARED(kOpaqueTransmittance) + FOCI_SHARED(kFieldMargin) +
-         FOCI_SHARED(kSigmaPerBlur) + FOCI_SHARED(kVergenceReach) + FOCI_SHARED(kMaxPeakExponent) +
-         FOCI_SHARED(kMinAlpha) + FOCI_SHARED(kHarmonicsStep) + FOCI_SHARED(kHarmonic1) +
-         FOCI_SHARED(kHarmonic2a) + FOCI_SHARED(kHarmonic2b) + FOCI_SHARED(kHarmonic2c) +
-         FOCI_SHARED(kHarmonic3a) + FOCI_SHARED(kHarmonic3b) + FOCI_SHARED(kHarmonic3c) +
-         FOCI_SHARED(kHarmonic3d) + FOCI_SHARED(kHarmonic3e) + FOCI_SHARED(kKernelShapes) +
-         FOCI_SHARED(kMaxExponent) + FOCI_SHARED(kJustNoticeable) + FOCI_SHARED(kLinearBelow) +
-         FOCI_SHARED(kLinearSlope) + FOCI_SHARED(kXyzOfWhite) + FOCI_SHARED(kLabOfCurve) +
-         FOCI_SHARED(kLight);
+         FOCI_SHARED(kLeastCos2) + FOCI_SHARED(kHighlight) + FOCI_SHARED(kFiner) +
+         FOCI_SHARED(kCoarser) + FOCI_SHARED(kFrontCover) + FOCI_SHARED(kTwoSurfaces) +
+         FOCI_SHARED(kMeanScale) + FOCI_SHARED(kMeanNoise) + FOCI_SHARED(kFoldScale) +
+         FOCI_SHARED(kFoldMean) + FOCI_SHARED(kSegmentBend) + FOCI_SHARED(kChord12) +
+         FOCI_SHARED(kChord4) + FOCI_SHARED(kChord0) + FOCI_SHARED(kHalfDiscMoment) +
+         FOCI_SHARED(kCutFade) + FOCI_SHARED(kWidestReach) + FOCI_SHARED(kEdgeOn) +
+         FOCI_SHARED(kLowPassReach_px) + FOCI_SHARED(kLowPass_px2) +
+         FOCI_SHARED(kMaxAlphaOfGaussian) + FOCI_SHARED(kOpaqueTransmittance) +
+         FOCI_SHARED(kFieldMargin) + FOCI_SHARED(kSigmaPerBlur) + FOCI_SHARED(kVergenceReach) +
+         FOCI_SHARED(kMaxPeakExponent) + FOCI_SHARED(kMinAlpha) + FOCI_SHARED(kHarmonicsStep) +
+         FOCI_SHARED(kHarmonic1) + FOCI_SHARED(kHarmonic2a) + FOCI_SHARED(kHarmonic2b) +
+         FOCI_SHARED(kHarmonic2c) + FOCI_SHARED(kHarmonic3a) + FOCI_SHARED(kHarmonic3b) +
+         FOCI_SHARED(kHarmonic3c) + FOCI_SHARED(kHarmonic3d) + FOCI_SHARED(kHarmonic3e) +
+         FOCI_SHARED(kKernelShapes) + FOCI_SHARED(kMaxExponent) + FOCI_SHARED(kJustNoticeable) +
+         FOCI_SHARED(kLinearBelow) + FOCI_SHARED(kLinearSlope) + FOCI_SHARED(kXyzOfWhite) +
+         FOCI_SHARED(kLabOfCurve) + FOCI_SHARED(kLight);
 #undef FOCI_SHARED
 }
 

@@ -21,6 +21,9 @@ inline constexpr float kComaOverlap = 1.17f;
 /// pupil seldom causes a larger tilt.
 inline constexpr float kMinTilt = 0.01f;
 
+/// Lower bound of a node's squared cosine in its slant, where rounded products cancel.
+inline constexpr float kLeastCos2 = 1e-4f;
+
 /// Peak light of one splat, of a white surface's, from which it counts as a highlight; from twice
 /// that peak fully. Chosen by hand.
 inline constexpr float kHighlight = 0.06f;

@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "render/kernel/simd-inl.h"
+#include "render/splat/constants.h"
 
 #ifndef FOCI_FOOTPRINT_ONCE
 #define FOCI_FOOTPRINT_ONCE
@@ -59,13 +60,16 @@ struct Footprint {
   V widest2;        // upper bound of the rendered variance along any direction, m^2
   V own;            // share of the variance that is rendered (`LodNode::own`)
   V3 normal;        // unit length
+  V3 slant;         // n / (n p), a metre: by so much the area falls as the eye moves
 };
 
 HWY_INLINE V3 positionOf(const SurfelArrays& surfels, std::size_t i) {
   return load3(surfels.position + 3 * i);
 }
 
-HWY_INLINE Footprint footprintOf(const SurfelArrays& surfels, std::size_t i, const Gradients& to) {
+/// @param p  from the eye, metres
+HWY_INLINE Footprint footprintOf(const SurfelArrays& surfels, std::size_t i, const V3& p,
+                                 const Gradients& to) {
   const D d;
   const V3 u = load3(surfels.axis_u + 3 * i), v = load3(surfels.axis_v + 3 * i);
   const V ux = dot(to.x, u), uy = dot(to.y, u), vx = dot(to.x, v), vy = dot(to.y, v);
@@ -86,8 +90,10 @@ HWY_INLINE Footprint footprintOf(const SurfelArrays& surfels, std::size_t i, con
   f.thick2 = hn::Max(uu, vv);
   f.widest2 = f.thick2;
   f.own = hn::Set(d, 1.0f);
-  f.normal = {hn::Mul(normal.x, inv_parallelogram), hn::Mul(normal.y, inv_parallelogram),
-              hn::Mul(normal.z, inv_parallelogram)};
+  f.normal = scaled(normal, inv_parallelogram);
+  const V towards = dot(f.normal, p);
+  const V least = hn::Max(hn::Abs(towards), hn::Set(d, 1e-20f));
+  f.slant = scaled(f.normal, hn::Div(hn::Set(d, 1.0f), hn::CopySign(least, towards)));
   return f;
 }
 
@@ -110,7 +116,11 @@ HWY_INLINE V3 unpackNormals(const NodeArrays& nodes) {
   return {hn::Mul(n.x, inv), hn::Mul(n.y, inv), hn::Mul(n.z, inv)};
 }
 
-HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const Gradients& to) {
+/// The area of a node is density sqrt(p' adj(V) p) up to a factor (`LodNode`), so its slant is
+/// adj(V) p / (p' adj(V) p): n / (n p) of a flat node, and finite where a curved one is seen from
+/// its side.
+HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const V3& p,
+                                 const Gradients& to) {
   const D d;
   const V xx = hn::Load(d, nodes.variance[0]), xy = hn::Load(d, nodes.variance[1]);
   const V xz = hn::Load(d, nodes.variance[2]), yy = hn::Load(d, nodes.variance[3]);
@@ -133,6 +143,14 @@ HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const Gra
   f.thick2 = hn::Mul(hn::Set(d, 0.5f), f.widest2);
   f.own = own;
   f.normal = unpackNormals(nodes);
+  const auto minor = [](V a, V b, V c, V e) { return hn::NegMulAdd(c, e, hn::Mul(a, b)); };
+  const V axx = minor(yy, zz, yz, yz), ayy = minor(xx, zz, xz, xz), azz = minor(xx, yy, xy, xy);
+  const V axy = minor(xz, yz, xy, zz), axz = minor(xy, yz, xz, yy), ayz = minor(xy, xz, yz, xx);
+  const V3 q{dot({axx, axy, axz}, p), dot({axy, ayy, ayz}, p), dot({axz, ayz, azz}, p)};
+  const V trace = hn::Add(axx, hn::Add(ayy, azz));
+  const V least = hn::Mul(hn::Mul(hn::Set(d, kLeastCos2), dot(p, p)), trace);
+  const V seen = hn::Max(dot(q, p), hn::Max(least, hn::Set(d, 1e-36f)));
+  f.slant = scaled(q, hn::Div(hn::Set(d, 1.0f), seen));
   return f;
 }
 

@@ -355,17 +355,16 @@ HWY_INLINE BlurVariance blurOf(const ProjectJob& job, const Footprint& f, V out_
 
 /// The surfel's slant: its shade by Lambert's cosine against the line of sight, and its tilt
 /// (`SplatLens`).
-HWY_INLINE void storeSlant(const ProjectJob& job, const Centres& c, const V3& normal,
+HWY_INLINE void storeSlant(const ProjectJob& job, const Centres& c, const Footprint& f,
                            ProjectedLanes& out) {
   const D d;
   const V one = hn::Set(d, 1.0f);
   const auto set = [&](float value) { return hn::Set(d, value); };
   const V3 right = rowOf(job, 0), up = rowOf(job, 1);
-  const V towards = dot(normal, c.p);
+  const V towards = dot(f.normal, c.p);
   const V away = hn::Mul(towards, c.inv_sight);
-  const V inv = hn::Div(one, hn::CopySign(hn::Max(hn::Abs(towards), set(1e-20f)), towards));
-  const V tilt_x = hn::Mul(hn::Mul(set(-job.blur.x / job.focal.x), dot(right, normal)), inv);
-  const V tilt_y = hn::Mul(hn::Mul(set(job.blur.y / job.focal.y), dot(up, normal)), inv);
+  const V tilt_x = hn::Mul(set(-job.blur.x / job.focal.x), dot(right, f.slant));
+  const V tilt_y = hn::Mul(set(job.blur.y / job.focal.y), dot(up, f.slant));
   const V tilt = hn::Sqrt(hn::MulAdd(tilt_x, tilt_x, hn::Mul(tilt_y, tilt_y)));
   const V more = hn::Max(hn::Sub(tilt, set(kMinTilt)), hn::Zero(d));
   const V counts = hn::Div(more, hn::Max(tilt, set(kMinTilt)));
@@ -429,7 +428,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   LocalLanes local;
   PartLens lens{};  // without meaning unless job.field
   const Centres c = projectCentres(job, source, i, local, lens);
-  const Footprint f = footprintOf(source, i, c.to);
+  const Footprint f = footprintOf(source, i, c.p, c.to);
   const V reach = hn::Sqrt(hn::MulAdd(hn::Set(d, kReach2), f.along2, f.thick2));
   const V prefilter = prefilterAt(job, c.x_px, c.y_px);
   const BlurVariance blur = blurOf(job, f, c.out_of_focus_D, prefilter, local, lens, out);
@@ -447,7 +446,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
     storeLensScales(radius, hn::Mul(hn::Mul(narrow, radius), radius), prefilter, c.out_of_focus_D,
                     out.lens);
   }
-  storeSlant(job, c, f.normal, out);
+  storeSlant(job, c, f, out);
   hn::Store(c.x_px, d, out.x);
   hn::Store(c.y_px, d, out.y);
   hn::Store(vxx, d, out.vxx);

@@ -31,7 +31,7 @@ layout(location = 0) uniform uvec4 window;
 
 struct Footprint {
   float vxx, vxy, vyy, area, along2, thick2, widest2, own;
-  vec3 normal;
+  vec3 normal, slant;
 };
 struct Lane {
   vec2 at;
@@ -49,7 +49,7 @@ struct Kernel {
 
 #ifdef CUT
 // @param i  within the window
-Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
+Footprint nodeFootprint(uint i, vec3 p, vec3 to_x, vec3 to_y, vec3 to_distance) {
   vec4 a = uintBitsToFloat(node[3u * i]);
   vec3 b = uintBitsToFloat(node[3u * i + 1u].xyz);
   mat3 v = mat3(a.x, a.y, a.z, a.y, a.w, b.x, a.z, b.x, b.y);
@@ -64,12 +64,16 @@ Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   f.widest2 = f.own * (a.x + a.w + b.y);
   f.thick2 = 0.5 * f.widest2;
   f.normal = unpackNormal(node[3u * i + 2u].w);
+  mat3 adjugate = mat3(cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1]));
+  vec3 q = adjugate * p;
+  float trace = adjugate[0].x + adjugate[1].y + adjugate[2].z;
+  f.slant = q / max(dot(q, p), max(kLeastCos2 * dot(p, p) * trace, 1e-36));
   return f;
 }
 #endif
 
 // @param i  within the window
-Footprint surfelFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
+Footprint surfelFootprint(uint i, vec3 p, vec3 to_x, vec3 to_y, vec3 to_distance) {
   vec4 b = surfel_a[2u * i + 1u], c = surfel_b[2u * i];
   vec3 u = b.xyz, v = c.xyz;
   float ux = dot(to_x, u), uy = dot(to_y, u), vx = dot(to_x, v), vy = dot(to_y, v);
@@ -83,6 +87,8 @@ Footprint surfelFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   f.thick2 = f.widest2 = max(dot(u, u), dot(v, v));
   f.own = 1.0;
   f.normal = cross(u, v) * inv;
+  float towards = dot(f.normal, p);
+  f.slant = f.normal / (towards < 0.0 ? min(towards, -1e-20) : max(towards, 1e-20));
   return f;
 }
 
@@ -256,9 +262,10 @@ void projectEntry(uint slot) {
   vec3 to_y = slope.y * along - focal.y * inv_depth * (back.xyz * tangent.y + up.xyz);
 
 #ifdef CUT
-  Footprint f = is_node ? nodeFootprint(i, to_x, to_y, along) : surfelFootprint(i, to_x, to_y, along);
+  Footprint f = is_node ? nodeFootprint(i, p, to_x, to_y, along)
+                        : surfelFootprint(i, p, to_x, to_y, along);
 #else
-  Footprint f = surfelFootprint(i, to_x, to_y, along);
+  Footprint f = surfelFootprint(i, p, to_x, to_y, along);
 #endif
   lane.reach = sqrt(kReach2 * f.along2 + f.thick2);
   lane.prefilter = square(max(acuity.w * length(lane.at - acuity.xy) + acuity.z, 1.0));
@@ -303,9 +310,8 @@ void projectEntry(uint slot) {
   // A node that holds both sides counts as a front: the mean of its normals may face away.
   if (from_outside && both_sides) lane.away = -abs(lane.away);
 #endif
-  float inv_towards = 1.0 / (towards < 0.0 ? min(towards, -1e-20) : max(towards, 1e-20));
-  vec2 tilt = vec2(-blur_lens.x / focal.x * dot(right.xyz, f.normal),
-                   blur_lens.y / focal.y * dot(up.xyz, f.normal)) * inv_towards;
+  vec2 tilt = vec2(-blur_lens.x / focal.x * dot(right.xyz, f.slant),
+                   blur_lens.y / focal.y * dot(up.xyz, f.slant));
   float steep = length(tilt);
   lane.tilt = tilt * (max(steep - kMinTilt, 0.0) / max(steep, kMinTilt));
   lane.shade = sub_aperture_shading.y * (abs(lane.away) - 1.0) + 1.0;

@@ -374,6 +374,23 @@ TEST(SweepLod, LensSidesTellWhatACardHides) {
   EXPECT_GT(psnr_dB(renderedBy("sweep", cloud, view, settings), reference), 36.0);
 }
 
+TEST(SweepLod, ABallsBlurredOutlineIsSmooth) {
+  // Nodes whose mean normal lies across the line of sight: each lens point sees another share.
+  const SurfelCloud cloud = ball(60'000, 0.25f, {0, 0, -1.0f});
+  const View view = squareViewOf(96, 171.0f);
+  RenderSettings settings = blurredBy(9.3f, 1.0f / 0.75f);  // 3 px at the outline
+  settings.background = glm::vec3(0.8f);
+  const Frame reference = renderedBy("accumulate:200", cloud, view, settings);
+  for (const char* method : {"sweep", "sweep-lod:1", "sweep-lod:7"}) {
+    const Frame frame = renderedBy(method, cloud, view, settings);
+    float worst = 0.0f;
+    for (std::size_t p = 0; p < frame.rgba.size(); ++p) {
+      worst = std::max(worst, glm::length(frame.rgba[p] - reference.rgba[p]));
+    }
+    EXPECT_LT(worst, 0.1f) << method;
+  }
+}
+
 TEST(SweepLod, ConstantSheetStaysConstantAcrossCoarseTiles) {
   SurfelCloud cloud;
   addSheetOf(cloud, {.side_m = 0.6f, .samples = 300, .color = {0.2f, 0.5f, 0.8f}});
