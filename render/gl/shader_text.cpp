@@ -63,7 +63,7 @@ std::string sharedConstants() {
          FOCI_SHARED(kDensityPeak) + FOCI_SHARED(kDensityBend) + FOCI_SHARED(kArcSine) +
          FOCI_SHARED(kDiscVariancePerRadius2) + FOCI_SHARED(kTile) + FOCI_SHARED(kApron) +
          FOCI_SHARED(kMostSamples) + FOCI_SHARED(kMaxStep_px) + FOCI_SHARED(kKeyBits) +
-         FOCI_SHARED(kSigmasAStep) + FOCI_SHARED(kBlurredSteps) +
+         FOCI_SHARED(kSigmasAStep) + FOCI_SHARED(kBend) + FOCI_SHARED(kBlurredSteps) +
          FOCI_SHARED(kSubAperturesFrom_px) + FOCI_SHARED(kSubAperturesOnly_px) +
          FOCI_SHARED(kLongAxis) + FOCI_SHARED(kComaOverlap) + FOCI_SHARED(kMinTilt) +
          FOCI_SHARED(kLeastCos2) + FOCI_SHARED(kHighlight) + FOCI_SHARED(kFiner) +
