@@ -61,16 +61,8 @@ double CalibrationFile::number(const std::string& key, double low, double high) 
 
 std::optional<double> CalibrationFile::numberOrWord(const std::string& key, const char* word,
                                                     double low, double high) {
-  const Value& value = at(key);
-  if (const auto* text = std::get_if<std::string>(&value); text != nullptr && *text == word) {
-    return std::nullopt;
-  }
-  const auto* number = std::get_if<double>(&value);
-  if (!number || !(*number >= low && *number <= high)) {
-    refuse(key, std::string("\"") + word + "\" or a number from " + exactText(low) + " to " +
-                    exactText(high));
-  }
-  return *number;
+  const auto* const text = std::get_if<std::string>(&at(key));
+  return text && *text == word ? std::nullopt : std::optional(number(key, low, high));
 }
 
 std::vector<double> CalibrationFile::numbers(const std::string& key, std::size_t count, double low,
