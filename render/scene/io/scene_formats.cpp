@@ -234,10 +234,7 @@ constexpr std::array kMarks = {
     Mark{0, "7z\xbc\xaf", "is a 7z archive: unpack it, and give the scene in it"},
     Mark{0, "rar!", "is a RAR archive: unpack it, and give the scene in it"},
     Mark{0, "bzh", "is packed by bzip2: unpack it with bunzip2"},
-    Mark{0,
-         "\xfd"
-         "7zxz",
-         "is packed by xz: unpack it with unxz"},
+    Mark{0, "\xfd\x37zxz", "is packed by xz: unpack it with unxz"},
     Mark{0, "\x28\xb5\x2f\xfd", "is packed by Zstandard: unpack it with unzstd"},
     Mark{257, "ustar", "is a tar archive: unpack it, and give the scene in it"},
     Mark{0, "\x89png", kPicture},
@@ -267,10 +264,7 @@ constexpr std::array kMarks = {
     Mark{0, "# camera list with one line", kColmapList},
     Mark{0, "visionre",
          "is a VRS recording: give foci the points beside it (semidense_points.csv.gz)"},
-    Mark{0,
-         "\x7f"
-         "elf",
-         "is a program"},
+    Mark{0, "\x7f\x65lf", "is a program"},
 };
 
 std::string zipWords(const FileStart& start) {
