@@ -111,6 +111,11 @@ std::string escapeOf(char32_t c, const char* pattern) {
 
 }  // namespace
 
+std::size_t utf8Length(std::string_view text) {
+  const auto point = codePointAt(text);
+  return point ? point->bytes : 0;
+}
+
 std::string visible(std::string_view text) {
   std::string line;
   line.reserve(text.size());

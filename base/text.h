@@ -65,6 +65,9 @@ std::string shown(std::string_view text);
 /// bytes that are not UTF-8 (`\xff`).
 std::string visible(std::string_view text);
 
+/// Bytes of the UTF-8 character at the start of a text that is not empty; 0: it starts with none.
+std::size_t utf8Length(std::string_view text);
+
 /// `text` in double quotes, escaped for JSON and TOML alike.
 std::string quotedText(std::string_view text);
 

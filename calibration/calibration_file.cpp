@@ -1,5 +1,7 @@
 #include "calibration/calibration_file.h"
 
+#include <algorithm>
+
 #include "base/input_error.h"
 #include "calibration/toml_file.h"
 
@@ -61,16 +63,8 @@ double CalibrationFile::number(const std::string& key, double low, double high) 
 
 std::optional<double> CalibrationFile::numberOrWord(const std::string& key, const char* word,
                                                     double low, double high) {
-  const Value& value = at(key);
-  if (const auto* text = std::get_if<std::string>(&value); text != nullptr && *text == word) {
-    return std::nullopt;
-  }
-  const auto* number = std::get_if<double>(&value);
-  if (!number || !(*number >= low && *number <= high)) {
-    refuse(key, std::string("\"") + word + "\" or a number from " + exactText(low) + " to " +
-                    exactText(high));
-  }
-  return *number;
+  const auto* const text = std::get_if<std::string>(&at(key));
+  return text && *text == word ? std::nullopt : std::optional(number(key, low, high));
 }
 
 std::vector<double> CalibrationFile::numbers(const std::string& key, std::size_t count, double low,
@@ -85,9 +79,14 @@ std::vector<double> CalibrationFile::numbers(const std::string& key, std::size_t
   return *values;
 }
 
+void CalibrationFile::read(const std::string& key, std::span<double> to, double low, double high) {
+  std::ranges::copy(numbers(key, to.size(), low, high), to.begin());
+}
+
 glm::dvec2 CalibrationFile::pair(const std::string& key, double low, double high) {
-  const std::vector<double> two = numbers(key, 2, low, high);
-  return {two[0], two[1]};
+  glm::dvec2 two;
+  read(key, std::span(&two.x, 2), low, high);
+  return two;
 }
 
 glm::ivec2 CalibrationFile::size_px(const std::string& key) {
@@ -95,11 +94,8 @@ glm::ivec2 CalibrationFile::size_px(const std::string& key) {
 }
 
 glm::dmat3 CalibrationFile::rotation(const std::string& key) {
-  const std::vector<double> values = numbers(key, 9, -1.0 - kRotation, 1.0 + kRotation);
   glm::dmat3 r;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    r[static_cast<int>(i / 3)][static_cast<int>(i % 3)] = values[i];
-  }
+  read(key, std::span(&r[0].x, 9), -1.0 - kRotation, 1.0 + kRotation);
   if (std::abs(glm::determinant(r) - 1.0) > kRotation ||
       std::abs(glm::dot(r[0], r[1])) > kRotation || std::abs(glm::length(r[2]) - 1.0) > kRotation) {
     refuse(key, "a rotation");

@@ -30,6 +30,8 @@ class CalibrationFile {
   std::optional<double> numberOrWord(const std::string& key, const char* word, double low,
                                      double high);
   std::vector<double> numbers(const std::string& key, std::size_t count, double low, double high);
+  /// As many numbers as `to` has.
+  void read(const std::string& key, std::span<double> to, double low, double high);
   glm::dvec2 pair(const std::string& key, double low, double high);
   glm::ivec2 size_px(const std::string& key);
   /// Nine numbers, column by column, with orthonormal columns and determinant 1.

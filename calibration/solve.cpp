@@ -26,4 +26,21 @@ void solve(ceres::Solver::Options options, ceres::Problem& problem, const std::s
   throw InputError(where, "no parameters fit the samples (" + reason + ")");
 }
 
+std::vector<double> variancesOf(ceres::Problem& problem, const double* block) {
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::DENSE_SVD;
+  options.min_reciprocal_condition_number = 1e-60;
+  options.num_threads = 1;
+  ceres::Covariance covariance(options);
+  const auto count = static_cast<std::size_t>(problem.ParameterBlockSize(block));
+  std::vector<double> all(count * count), variances;
+  const std::vector<std::pair<const double*, const double*>> wanted{{block, block}};
+  if (!covariance.Compute(wanted, &problem) ||
+      !covariance.GetCovarianceBlock(block, block, all.data())) {
+    return {};
+  }
+  for (std::size_t i = 0; i < count; ++i) variances.push_back(all[i * (count + 1)]);
+  return variances;
+}
+
 }  // namespace foci

@@ -4,6 +4,7 @@
 #include <ceres/ceres.h>
 
 #include <string>
+#include <vector>
 
 namespace foci {
 
@@ -12,5 +13,9 @@ namespace foci {
 /// @param where  the calibration, as messages name it
 /// @throws InputError unless Ceres calls the solution usable (`Summary::IsSolutionUsable`)
 void solve(ceres::Solver::Options options, ceres::Problem& problem, const std::string& where);
+
+/// Variances of a solution's block of parameters, 0 for fixed ones. One that is not determined has
+/// a large variance. Empty where nothing is determined.
+std::vector<double> variancesOf(ceres::Problem& problem, const double* block);
 
 }  // namespace foci

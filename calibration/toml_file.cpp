@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdint>
-#include <fstream>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "base/file.h"
 #include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -16,27 +16,6 @@ namespace {
 constexpr std::size_t kMaxFile_bytes = 4 << 20;  // a webcam's calibration holds a PNG in base64
 constexpr int kMaxDepth = 16;                    // our own files nest 2 deep
 constexpr std::size_t kLongLine_bytes = 400, kMaxPart_bytes = 16 << 10;
-
-/// Number of bytes of the UTF-8 character that `text` starts with; 0: it starts with none (RFC
-/// 3629; Unicode, table 3-7).
-std::size_t utf8Length(std::string_view text) {
-  const auto byte = [&](std::size_t i) {
-    return i < text.size() ? static_cast<std::uint8_t>(text[i]) : std::uint8_t{0};
-  };
-  const std::uint8_t first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-  std::uint8_t low = 0x80, high = 0xbf;  // of the second byte
-  if (first == 0xe0) low = 0xa0;         // else overlong
-  if (first == 0xed) high = 0x9f;        // else a surrogate
-  if (first == 0xf0) low = 0x90;
-  if (first == 0xf4) high = 0x8f;  // else beyond U+10FFFF
-  if (first < 0xc2 || first > 0xf4 || byte(1) < low || byte(1) > high) return 0;
-  for (std::size_t i = 2; i < length; ++i) {
-    if (byte(i) < 0x80 || byte(i) > 0xbf) return 0;
-  }
-  return length;
-}
 
 /// Prepares a text for toml11, which recurses into nested values and dotted keys, reads beyond its
 /// buffer when it reports bytes that are not UTF-8, and scans the line of each value. The first two
@@ -169,16 +148,7 @@ TomlDocument parseToml(const std::string& text, const std::string& where) {
 }
 
 TomlDocument readToml(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  requireRegularFile(path);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(file, "cannot be read");
-  std::string text(kMaxFile_bytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kMaxFile_bytes)
-    throw InputError(file, "over 4 MiB: expected a smaller TOML file");
-  return parseToml(text, file);
+  return parseToml(bytesOfFile(path, kMaxFile_bytes), path.string());
 }
 
 }  // namespace foci

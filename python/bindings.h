@@ -13,7 +13,6 @@
 #include <limits>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -50,7 +49,10 @@ const double* tableOf(const char* argument, const Numbers& array, pybind11::ssiz
                       pybind11::ssize_t columns);
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-inline double orNaN(const std::optional<double>& value) { return value.value_or(kNaN); }
+template <typename Value>
+Value orNaN(const std::optional<Value>& value) {
+  return value.value_or(Value(kNaN));
+}
 
 /// The point, absent where a coordinate is NaN or infinite.
 inline std::optional<glm::dvec2> pointOrAbsent(double x, double y) {

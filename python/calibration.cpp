@@ -1,6 +1,5 @@
 // Gaze maps: fits, files, accuracy, and their use on points and recordings.
 #include <filesystem>
-#include <utility>
 
 #include "base/file.h"
 #include "base/input_error.h"

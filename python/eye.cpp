@@ -61,8 +61,7 @@ StillEye makeEye(double pupil_mm, const Triple& position_m, const Triple& look_a
                .diffraction = diffraction};
   if (age_years) inRange("age_years", *age_years, 1.0, 120.0);
   // A path that cannot be looked along is refused here, not at the first image.
-  EyePath({{.position_m = eye.position_m, .look_at_m = eye.look_at_m, .up = {}}}, eye.up, "Eye")
-      .eyeFromWorldAt(0.0);
+  pathOf(eye).eyeFromWorldAt(0.0);
   return eye;
 }
 
@@ -79,13 +78,18 @@ std::string textOf(const StillEye& eye) {
 
 }  // namespace
 
+EyePath pathOf(const StillEye& eye) {
+  return EyePath({{.position_m = eye.position_m, .look_at_m = eye.look_at_m, .up = {}}}, eye.up,
+                 "Eye");
+}
+
 SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
                            const PictureOptions& options) {
   SessionSettings settings;
-  settings.background = glm::vec3(options.background);
+  for (const double channel : options.background) inRange("background", channel, 0.0, 1.0);
+  settings.background = glm::vec3(vectorOf(options.background));
   settings.shading = static_cast<float>(inRange("shading", options.shading, 0.0, 1.0));
-  settings.path = EyePath({{.position_m = eye.position_m, .look_at_m = eye.look_at_m, .up = {}}},
-                          eye.up, "Eye");
+  settings.path = pathOf(eye);
   settings.screen = screen;
   settings.observer.pupil_mm = eye.pupil_mm;
   settings.observer.refraction = refractionOf(eye.prescription);
@@ -97,7 +101,8 @@ SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
   settings.method = options.method;
   settings.device = RenderDevice::cpu;  // a session in Python renders in the thread that asks
   settings.quality.tolerance = inRange("tolerance", options.tolerance, 0.1, 100.0);
-  settings.output.size_px = options.size_px.value_or(screen.size_px);
+  settings.output.size_px = screen.size_px;
+  if (const auto& size = options.size_px) settings.output.size_px = {(*size)[0], (*size)[1]};
   for (const int side : {settings.output.size_px.x, settings.output.size_px.y}) {
     inRange("size_px", side, 16, 8192);
   }

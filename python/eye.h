@@ -1,6 +1,7 @@
 // The observer's eye as Python describes it, and the settings that it makes.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -22,12 +23,13 @@ struct StillEye {
 
 /// What a picture is made with, besides eye and screen.
 struct PictureOptions {
-  std::optional<glm::ivec2> size_px{};  ///< absent: the screen's
-  std::string method = "auto";
-  glm::dvec3 background{0.0};
-  double shading = 0.0;
-  double tolerance = 1.0;
+  std::optional<std::array<int, 2>> size_px;  ///< absent: the screen's
+  std::string method;
+  std::array<double, 3> background;
+  double shading, tolerance;
 };
+
+EyePath pathOf(const StillEye& eye);
 
 /// @throws InputError
 SessionSettings settingsOf(const StillEye& eye, const Screen& screen,

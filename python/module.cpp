@@ -12,20 +12,9 @@ namespace py = pybind11;
 namespace foci {
 namespace {
 
-std::string described(double value) {
-  std::string text = py::str(py::float_(value));
-  return text;
-}
-
-std::string shapeOf(const Numbers& array) {
-  std::string text = "(";
-  for (py::ssize_t i = 0; i < array.ndim(); ++i) {
-    if (i > 0) text += ", ";
-    text += std::to_string(array.shape(i));
-  }
-  text += array.ndim() == 1 ? ",)" : ")";
-  return text;
-}
+std::string described(const py::object& value) { return py::str(value); }
+std::string described(double value) { return described(py::float_(value)); }
+std::string shapeOf(const Numbers& array) { return described(array.attr("shape")); }
 
 /// A limit for all threads of the libraries, until the next call.
 void setThreads(int threads) {

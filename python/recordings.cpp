@@ -1,7 +1,5 @@
 // Recordings and their events.
-#include <algorithm>
 #include <filesystem>
-#include <utility>
 
 #include "base/input_error.h"
 #include "base/text.h"
@@ -19,25 +17,20 @@ namespace {
 
 struct EventRow {
   Word kind{};
-  double onset_s = 0.0, duration_s = 0.0, x_px = kNaN, y_px = kNaN, start_x_px = kNaN,
-         start_y_px = kNaN, amplitude_deg = kNaN, peak_velocity_deg_s = kNaN, probability = kNaN;
+  double onset_s = 0.0, duration_s = 0.0;
+  glm::dvec2 position_px{kNaN}, start_px{kNaN};
+  double amplitude_deg = kNaN, peak_velocity_deg_s = kNaN, probability = kNaN;
 };
 
 EventRow rowOf(const GazeEvent& event) {
-  EventRow row{
-      .kind = wordOf(nameOf(event.kind)), .onset_s = event.onset_s, .duration_s = event.duration_s};
-  if (event.position_px) {
-    row.x_px = event.position_px->x;
-    row.y_px = event.position_px->y;
-  }
-  if (event.start_px) {
-    row.start_x_px = event.start_px->x;
-    row.start_y_px = event.start_px->y;
-  }
-  row.amplitude_deg = orNaN(event.amplitude_deg);
-  row.peak_velocity_deg_s = orNaN(event.peak_velocity_deg_s);
-  row.probability = orNaN(event.probability);
-  return row;
+  return {.kind = wordOf(nameOf(event.kind)),
+          .onset_s = event.onset_s,
+          .duration_s = event.duration_s,
+          .position_px = orNaN(event.position_px),
+          .start_px = orNaN(event.start_px),
+          .amplitude_deg = orNaN(event.amplitude_deg),
+          .peak_velocity_deg_s = orNaN(event.peak_velocity_deg_s),
+          .probability = orNaN(event.probability)};
 }
 
 /// The keywords of the event detection.
@@ -78,7 +71,8 @@ EventOptions eventOptions(const py::kwargs& keywords) {
   return options;
 }
 
-py::array eventTable(const GazeTrace& trace, const EventOptions& options) {
+py::array eventTable(const GazeTrace& trace, const py::kwargs& keywords) {
+  const EventOptions options = eventOptions(keywords);
   std::vector<EventRow> rows;
   {
     const py::gil_scoped_release released;
@@ -91,7 +85,8 @@ py::array eventTable(const GazeTrace& trace, const EventOptions& options) {
                             "start_y_px", "amplitude_deg", "peak_velocity_deg_s", "probability"});
 }
 
-py::array labelColumn(const GazeTrace& trace, const EventOptions& options) {
+py::array labelColumn(const GazeTrace& trace, const py::kwargs& keywords) {
+  const EventOptions options = eventOptions(keywords);
   std::vector<Word> words;
   {
     const py::gil_scoped_release released;
@@ -104,7 +99,8 @@ py::array labelColumn(const GazeTrace& trace, const EventOptions& options) {
 }
 
 /// The fields of `RecordingQuality`, and the warnings.
-py::dict qualityDict(const GazeTrace& trace, const EventOptions& options) {
+py::dict qualityDict(const GazeTrace& trace, const py::kwargs& keywords) {
+  const EventOptions options = eventOptions(keywords);
   RecordingQuality quality;
   std::vector<std::string> warnings;
   {
@@ -219,13 +215,13 @@ void bindRecordings(py::module_& module) {
       .def_property_readonly(
           "x",
           [](const GazeTrace& r) {
-            return column(r, [](const GazeSample& s) { return s.point_px ? s.point_px->x : kNaN; });
+            return column(r, [](const GazeSample& s) { return orNaN(s.point_px).x; });
           },
           "Pixels from the screen's left edge, (N,); NaN in data loss.")
       .def_property_readonly(
           "y",
           [](const GazeTrace& r) {
-            return column(r, [](const GazeSample& s) { return s.point_px ? s.point_px->y : kNaN; });
+            return column(r, [](const GazeSample& s) { return orNaN(s.point_px).y; });
           },
           "Pixels from the screen's upper edge, (N,); NaN in data loss.")
       .def_property_readonly(
@@ -248,24 +244,13 @@ void bindRecordings(py::module_& module) {
              return std::string(py::str("<foci.Recording of {} samples, {:.0f} Hz, {}>")
                                     .format(r.samples.size(), r.rate_Hz, r.format));
            })
-      .def("_events",
-           [](const GazeTrace& r, const py::kwargs& keywords) {
-             return eventTable(r, eventOptions(keywords));
-           })
-      .def(
-          "labels",
-          [](const GazeTrace& r, const py::kwargs& keywords) {
-            return labelColumn(r, eventOptions(keywords));
-          },
-          "The state of each sample, (N,) words: fixation, saccade, pso, pursuit, blink, lost, "
-          "unjudged. Keywords as events().")
-      .def(
-          "quality",
-          [](const GazeTrace& r, const py::kwargs& keywords) {
-            return qualityDict(r, eventOptions(keywords));
-          },
-          "Noise, data loss, jitter, share unjudged, main sequence and warnings. Keywords as "
-          "events().");
+      .def("_events", &eventTable)
+      .def("labels", &labelColumn,
+           "The state of each sample, (N,) words: fixation, saccade, pso, pursuit, blink, lost, "
+           "unjudged. Keywords as events().")
+      .def("quality", &qualityDict,
+           "Noise, data loss, jitter, share unjudged, main sequence and warnings. Keywords as "
+           "events().");
 }
 
 }  // namespace foci

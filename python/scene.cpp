@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <span>
 #include <utility>
 
 #include "app/study/study.h"
@@ -78,12 +77,7 @@ std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional
 }
 
 py::tuple bounds(const Scene& scene) {
-  const std::span<const glm::vec3> all_m = positionsOf(scene.cloud());
-  glm::dvec3 low(all_m.front()), high = low;
-  for (const glm::vec3& position_m : all_m) {
-    low = glm::min(low, glm::dvec3(position_m));
-    high = glm::max(high, glm::dvec3(position_m));
-  }
+  const auto [low, high] = boxOf(positionsOf(scene.cloud()));
   return py::make_tuple(py::tuple(py::cast(tripleOf(low))), py::tuple(py::cast(tripleOf(high))));
 }
 
@@ -91,13 +85,8 @@ EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
                 const std::optional<double>& focus_m, const std::optional<Pair>& gaze_px,
                 const std::optional<std::array<int, 2>>& size_px, const std::string& method,
                 const Triple& background, double shading, double tolerance, bool depth) {
-  PictureOptions options{.method = method,
-                         .background = vectorOf(background),
-                         .shading = shading,
-                         .tolerance = tolerance};
-  for (const double channel : background) inRange("background", channel, 0.0, 1.0);
-  if (size_px) options.size_px = glm::ivec2((*size_px)[0], (*size_px)[1]);
-  SessionSettings settings = settingsOf(eye, screen, options);
+  SessionSettings settings =
+      settingsOf(eye, screen, {size_px, method, background, shading, tolerance});
   if (focus_m && gaze_px) throw InputError("focus_m and gaze_px", "give one of them");
   if (focus_m) {
     constexpr double kNearest_m = 0.05;

@@ -1,12 +1,9 @@
 // A scene as Python holds it: surfels, and what looks at them and renders them.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "app/session/frame_renderer.h"
 #include "app/session/session.h"

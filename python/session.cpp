@@ -16,27 +16,20 @@ namespace {
 
 struct StateRow {
   Word state{};
-  double time_s = 0.0, gaze_x_px = kNaN, gaze_y_px = kNaN, fixation_x_px = kNaN,
-         fixation_y_px = kNaN, surface_distance_m = kNaN, target_D = kNaN, focus_D = 0.0,
-         pupil_mm = 0.0;
+  double time_s = 0.0;
+  glm::dvec2 gaze_px{kNaN}, fixation_px{kNaN};
+  double surface_distance_m = kNaN, target_D = kNaN, focus_D = 0.0, pupil_mm = 0.0;
 };
 
 StateRow rowOf(const FrameRecord& record) {
-  StateRow row{.state = wordOf(nameOf(record.eye.state)),
-               .time_s = record.time_s,
-               .surface_distance_m = orNaN(record.eye.surface_distance_m),
-               .target_D = orNaN(record.eye.target_D),
-               .focus_D = record.eye.focus_D,
-               .pupil_mm = record.pupil_mm};
-  if (record.gaze_px) {
-    row.gaze_x_px = record.gaze_px->x;
-    row.gaze_y_px = record.gaze_px->y;
-  }
-  if (record.fixation_px) {
-    row.fixation_x_px = record.fixation_px->x;
-    row.fixation_y_px = record.fixation_px->y;
-  }
-  return row;
+  return {.state = wordOf(nameOf(record.eye.state)),
+          .time_s = record.time_s,
+          .gaze_px = orNaN(record.gaze_px),
+          .fixation_px = orNaN(record.fixation_px),
+          .surface_distance_m = orNaN(record.eye.surface_distance_m),
+          .target_D = orNaN(record.eye.target_D),
+          .focus_D = record.eye.focus_D,
+          .pupil_mm = record.pupil_mm};
 }
 
 /// The session of a scene that it keeps alive. One thread may push samples while another renders.
@@ -118,8 +111,7 @@ class LiveSession {
   void move(const StillEye& eye) {
     const auto lock = lockOutsideInterpreter(mutex_);
     SessionSettings settings = session_.settings();
-    settings.path = EyePath({{.position_m = eye.position_m, .look_at_m = eye.look_at_m, .up = {}}},
-                            eye.up, "Eye");
+    settings.path = pathOf(eye);
     session_.changeSettings(settings);
   }
 
@@ -171,13 +163,8 @@ std::unique_ptr<LiveSession> makeSession(std::shared_ptr<Scene> scene, const Sti
                                          const std::optional<double>& frame_ms, bool foveated,
                                          const std::string& pupil, double latency_s,
                                          double time_constant_s, bool depth) {
-  PictureOptions options{.method = method,
-                         .background = vectorOf(background),
-                         .shading = shading,
-                         .tolerance = tolerance};
-  for (const double channel : background) inRange("background", channel, 0.0, 1.0);
-  if (size_px) options.size_px = glm::ivec2((*size_px)[0], (*size_px)[1]);
-  SessionSettings settings = settingsOf(eye, screen, options);
+  SessionSettings settings =
+      settingsOf(eye, screen, {size_px, method, background, shading, tolerance});
   settings.observer.pupil = pupilNamed(pupil);
   settings.quality.foveated = foveated;
   if (frame_ms) settings.quality.frame_ms = inRange("frame_ms", *frame_ms, 1.0, 10000.0);

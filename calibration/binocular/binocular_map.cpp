@@ -49,11 +49,9 @@ bool isBinocularFile(const std::filesystem::path& file) {
 BinocularCalibration readBinocular(const std::filesystem::path& file) {
   CalibrationFile in(file);
   BinocularCalibration calibration;
-  const auto position_mm =
-      in.numbers("binocular.position_mm", 3, -kFarthestEye_mm, kFarthestEye_mm);
-  for (int i = 0; i < 3; ++i) {
-    calibration.map.translation_m[i] = 1e-3 * position_mm[static_cast<std::size_t>(i)];
-  }
+  glm::dvec3 position_mm;
+  in.read("binocular.position_mm", std::span(&position_mm.x, 3), -kFarthestEye_mm, kFarthestEye_mm);
+  calibration.map.translation_m = 1e-3 * position_mm;
   calibration.map.rotation = in.rotation("binocular.rotation");
   calibration.map.kappa_rad = {glm::radians(in.pair("binocular.left_kappa_deg", -30.0, 30.0)),
                                glm::radians(in.pair("binocular.right_kappa_deg", -30.0, 30.0))};

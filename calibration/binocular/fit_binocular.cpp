@@ -8,7 +8,6 @@
 #include <numeric>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "base/input_error.h"
 #include "base/quantile.h"
@@ -151,27 +150,15 @@ std::vector<double> missesOf_rad(std::span<const BinocularSample> samples, doubl
 /// Largest deviations of translation and kappa, from the covariance.
 void takeDeviations(ceres::Problem& problem, const Unknowns& found,
                     const std::array<std::size_t, 2>& seen, BinocularFit& fit) {
-  ceres::Covariance::Options options;
-  options.algorithm_type = ceres::DENSE_SVD;
-  // An undetermined parameter shall show as a large deviation, not as an error.
-  options.min_reciprocal_condition_number = 1e-60;
-  ceres::Covariance covariance(options);
-  std::vector<std::pair<const double*, const double*>> blocks{{found.pose, found.pose}};
-  for (std::size_t eye = 0; eye < 2; ++eye) {
-    if (seen[eye] > 0) blocks.emplace_back(found.kappa[eye], found.kappa[eye]);
-  }
-  if (!covariance.Compute(blocks, &problem)) throw InputError(kWhere, "nothing is determined");
-  double of_pose[36];
-  covariance.GetCovarianceBlock(found.pose, found.pose, of_pose);
-  for (int i = 3; i < 6; ++i) {
-    fit.translation_sd_m = std::max(fit.translation_sd_m, std::sqrt(std::abs(of_pose[7 * i])));
+  const std::vector<double> of_pose = variancesOf(problem, found.pose);
+  if (of_pose.empty()) throw InputError(kWhere, "nothing is determined");
+  for (const double variance : std::span(of_pose).last(3)) {
+    fit.translation_sd_m = std::max(fit.translation_sd_m, std::sqrt(std::abs(variance)));
   }
   for (std::size_t eye = 0; eye < 2; ++eye) {
     if (seen[eye] == 0) continue;
-    double of_kappa[4];
-    covariance.GetCovarianceBlock(found.kappa[eye], found.kappa[eye], of_kappa);
-    for (int i : {0, 3}) {
-      fit.kappa_sd_deg = std::max(fit.kappa_sd_deg, glm::degrees(std::sqrt(std::abs(of_kappa[i]))));
+    for (const double variance : variancesOf(problem, found.kappa[eye])) {
+      fit.kappa_sd_deg = std::max(fit.kappa_sd_deg, glm::degrees(std::sqrt(std::abs(variance))));
     }
   }
 }

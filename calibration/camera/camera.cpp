@@ -1,7 +1,5 @@
 #include "calibration/camera/camera.h"
 
-#include <algorithm>
-
 #include "calibration/calibration_file.h"
 
 namespace foci {
@@ -23,8 +21,7 @@ CameraModel readCamera(const std::filesystem::path& file) {
   camera.size_px = in.size_px("camera.size_px");
   camera.focal_px = in.pair("camera.focal_px", 1.0, 1e6);
   camera.principal_px = in.pair("camera.principal_px", -1e6, 1e6);
-  const auto distortion = in.numbers("camera.distortion", 5, -100.0, 100.0);
-  std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
+  in.read("camera.distortion", camera.distortion, -100.0, 100.0);
   if (in.has("camera.focal_sd_px")) camera.focal_sd_px = in.pair("camera.focal_sd_px", 0.0, 1e6);
   if (in.has("camera.rms_px")) camera.rms_px = in.number("camera.rms_px", 0.0, 1e6);
   in.refuseUnknownKeys();

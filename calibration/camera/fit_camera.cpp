@@ -106,25 +106,6 @@ Unknowns startOf(std::span<const BoardView> views, const glm::ivec2& size_px) {
   return unknowns;
 }
 
-/// Variances of the camera's parameters, 0 for fixed ones; empty where the views do not determine
-/// them.
-std::vector<double> variancesOf(ceres::Problem& problem, const double* camera) {
-  ceres::Covariance::Options options;
-  options.algorithm_type = ceres::DENSE_SVD;
-  // An undetermined parameter shall show as a large variance, not as an error.
-  options.min_reciprocal_condition_number = 1e-60;
-  options.num_threads = 1;
-  ceres::Covariance covariance(options);
-  std::vector<double> block(kCameraParameters * kCameraParameters), variances;
-  const std::vector<std::pair<const double*, const double*>> wanted{{camera, camera}};
-  if (!covariance.Compute(wanted, &problem) ||
-      !covariance.GetCovarianceBlock(camera, camera, block.data())) {
-    return {};
-  }
-  for (int i = 0; i < kCameraParameters; ++i) variances.push_back(block[i * kCameraParameters + i]);
-  return variances;
-}
-
 /// Adjusts the camera and all poses; the terms of distortion in `left_out` stay 0.
 /// @return the variances of the camera's parameters (`variancesOf`)
 std::vector<double> adjust(std::span<const BoardView> views, const std::vector<int>& left_out,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/input_error.h"
 #include "calibration/calibration_file.h"
@@ -85,10 +84,8 @@ GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
   const glm::dvec2 seen = robustLocation(mapped).centre;
   const double drift_deg = angle_deg(onPlane(map.frame, seen), onPlane(map.frame, target));
   if (!(drift_deg <= kMaxDrift_deg)) {
-    char text[80];
-    std::snprintf(text, sizeof text, "%.1f deg: expected at most %g, calibrate anew", drift_deg,
-                  kMaxDrift_deg);
-    throw InputError("drift correction", text);
+    throw InputError("drift correction", decimal(drift_deg, 1) + " deg: expected at most " +
+                                             exactText(kMaxDrift_deg) + ", calibrate anew");
   }
   GazeMap corrected = map;
   corrected.coefficients[0] += target - seen;

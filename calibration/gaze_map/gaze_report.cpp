@@ -94,9 +94,7 @@ std::string svgOf(const GazeReport& report) {
 }
 
 std::string targetText(const glm::dvec2& p) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3g, %.3g", p.x, p.y);
-  return text;
+  return significant(p.x, 3) + ", " + significant(p.y, 3);
 }
 
 std::string slippedText(const GazeReport& report) {

@@ -158,78 +158,52 @@ StationSolution withoutSlips(const StationSystem& system) {
   return solution;
 }
 
-/// Residual of one station, both axes under one loss, over the noise. Parameters: x and y of each
-/// term.
-class StationCost final : public ceres::CostFunction {
+/// Misses of a row of terms, both axes under one loss: scale (row * coefficients - goal).
+/// Parameters: x and y of each term.
+class RowCost final : public ceres::CostFunction {
  public:
-  StationCost(const StationSystem& system, Eigen::Index row, double sd_deg)
-      : system_(system), row_(row), factor_(std::sqrt(system.weight[row]) / sd_deg) {
+  RowCost(Eigen::RowVectorXd row, Eigen::RowVector2d goal, Eigen::RowVector2d scale)
+      : row_(std::move(row)), goal_(std::move(goal)), scale_(std::move(scale)) {
     set_num_residuals(2);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(2 * system.design.cols()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(2 * row_.size()));
   }
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const Eigen::Index k = system_.design.cols();
+    const Eigen::Index k = row_.size();
     for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      const double scale = factor_ * system_.metric(row_, axis);
-      double sum = -system_.goal(row_, axis);
-      for (Eigen::Index t = 0; t < k; ++t) {
-        sum += system_.design(row_, t) * parameters[0][2 * t + axis];
-      }
-      residuals[axis] = scale * sum;
+      double sum = -goal_[axis];
+      for (Eigen::Index t = 0; t < k; ++t) sum += row_[t] * parameters[0][2 * t + axis];
+      residuals[axis] = scale_[axis] * sum;
       if (!jacobians || !jacobians[0]) continue;
       double* row = jacobians[0] + axis * 2 * k;
       std::fill(row, row + 2 * k, 0.0);
-      for (Eigen::Index t = 0; t < k; ++t) row[2 * t + axis] = scale * system_.design(row_, t);
+      for (Eigen::Index t = 0; t < k; ++t) row[2 * t + axis] = scale_[axis] * row_[t];
     }
     return true;
   }
 
  private:
-  const StationSystem& system_;
-  Eigen::Index row_;
-  double factor_;
-};
-
-/// The prior that shrinks one power towards 0.
-class ShrinkCost final : public ceres::CostFunction {
- public:
-  ShrinkCost(const StationSystem& system, Eigen::Index term, double sd_deg)
-      : terms_(system.design.cols()),
-        term_(term),
-        factor_(std::sqrt(system.prior(term)) / sd_deg),
-        metric_(system.metric.colwise().mean()) {
-    set_num_residuals(2);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(2 * terms_));
-  }
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    if (jacobians && jacobians[0]) std::fill(jacobians[0], jacobians[0] + 4 * terms_, 0.0);
-    for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      const double scale = factor_ * metric_[axis];
-      residuals[axis] = scale * parameters[0][2 * term_ + axis];
-      if (jacobians && jacobians[0]) jacobians[0][axis * 2 * terms_ + 2 * term_ + axis] = scale;
-    }
-    return true;
-  }
-
- private:
-  Eigen::Index terms_, term_;
-  double factor_;
-  Eigen::RowVector2d metric_;
+  Eigen::RowVectorXd row_;
+  Eigen::RowVector2d goal_, scale_;
 };
 
 /// Minimises Tukey's loss from `parameters`: x and y of each term.
 void minimise(const StationSystem& system, double sd_deg, ceres::Problem& problem,
               std::vector<double>& parameters) {
   for (Eigen::Index i = 0; i < system.design.rows(); ++i) {
-    problem.AddResidualBlock(new StationCost(system, i, sd_deg), new ceres::TukeyLoss(kTukey),
-                             parameters.data());
+    const double factor = std::sqrt(system.weight[i]) / sd_deg;
+    problem.AddResidualBlock(
+        new RowCost(system.design.row(i), system.goal.row(i), factor * system.metric.row(i)),
+        new ceres::TukeyLoss(kTukey), parameters.data());
   }
+  // The prior shrinks single powers towards 0.
   for (Eigen::Index t = 0; t < system.design.cols(); ++t) {
-    if (system.prior(t) > 0.0) {
-      problem.AddResidualBlock(new ShrinkCost(system, t, sd_deg), nullptr, parameters.data());
-    }
+    if (system.prior(t) <= 0.0) continue;
+    const double factor = std::sqrt(system.prior(t)) / sd_deg;
+    problem.AddResidualBlock(
+        new RowCost(Eigen::RowVectorXd::Unit(system.design.cols(), t), Eigen::RowVector2d::Zero(),
+                    factor * system.metric.colwise().mean()),
+        nullptr, parameters.data());
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;

@@ -3,12 +3,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 
 #include "base/input_error.h"
 #include "base/quantile.h"
+#include "base/text.h"
 #include "calibration/location.h"
 
 namespace foci {
@@ -23,9 +23,7 @@ constexpr double kScattered = 0.35;  // deviation at one target over the extent 
 constexpr double kTwins = 0.15;
 
 std::string pointText(const glm::dvec2& point) {
-  char text[64];
-  std::snprintf(text, sizeof text, "(%.4g, %.4g)", point.x, point.y);
-  return text;
+  return "(" + significant(point.x) + ", " + significant(point.y) + ")";
 }
 
 }  // namespace

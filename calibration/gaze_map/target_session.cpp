@@ -1,7 +1,6 @@
 #include "calibration/gaze_map/target_session.h"
 
 #include <cassert>
-#include <cmath>
 #include <random>
 #include <utility>
 

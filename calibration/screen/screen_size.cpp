@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <string>
 
 #include "base/input_error.h"
 #include "base/quantile.h"
+#include "base/text.h"
 #include "calibration/location.h"
 
 namespace foci {
@@ -21,15 +21,9 @@ constexpr std::size_t kMinRuns = 3;
 constexpr double kRefusedAt = 3.0;   // robust deviations from the median
 constexpr double kMinRefused = 0.1;  // of the median: observers' runs differ by less
 
-std::string text(const char* format, double value) {
-  char buffer[120];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
-
 void refuseDistance(const char* how, double distance_m) {
   if (distance_m >= kMinDistance_m && distance_m <= kMaxDistance_m) return;
-  throw InputError(how, text("%g m: expected 0.1 to 10 m", distance_m));
+  throw InputError(how, significant(distance_m, 6) + " m: expected 0.1 to 10 m");
 }
 
 }  // namespace
@@ -39,13 +33,13 @@ glm::dvec2 pxPerMetreOfCard(double width_px, std::optional<double> height_px) {
   const double y = height_px ? *height_px / kBankCard_m.y : x;
   for (double density : {x, y}) {
     if (!(density >= kMinPxPerMetre && density <= kMaxPxPerMetre)) {
-      throw InputError("bank card", text("%g px/m: expected 200 to 100000", density));
+      throw InputError("bank card", significant(density, 6) + " px/m: expected 200 to 100000");
     }
   }
   if (std::abs(x / y - 1.0) > kOblong) {
-    throw InputError("bank card",
-                     text("width over height is off by %.0f %%: expected 85.60 x 53.98 mm",
-                          100.0 * std::abs(x / y - 1.0)));
+    throw InputError("bank card", "width over height is off by " +
+                                      decimal(100.0 * std::abs(x / y - 1.0), 0) +
+                                      " %: expected 85.60 x 53.98 mm");
   }
   return {x, y};
 }

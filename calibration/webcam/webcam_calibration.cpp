@@ -61,8 +61,7 @@ HeadView readHeadView(CalibrationFile& in) {
   HeadView view;
   view.corner_px = in.pair("reference.corner_px", -1e6, 1e6);
   view.pose.camera_from_head = in.rotation("reference.rotation");
-  const auto position = in.numbers("reference.position_mm", 3, -1e5, 1e5);
-  view.pose.position_mm = {position[0], position[1], position[2]};
+  in.read("reference.position_mm", std::span(&view.pose.position_mm.x, 3), -1e5, 1e5);
   if (!(view.pose.position_mm.z > 50.0)) {
     in.refuse("reference.position_mm", "a head more than 50 mm in front of the camera");
   }
@@ -206,10 +205,6 @@ bool WebcamRecalibration::click(const glm::dvec2& point_px) {
 
 std::string webcamCalibrationToml(const WebcamCalibration& calibration) {
   const WebcamReference& reference = calibration.reference;
-  std::vector<double> eyes;
-  for (const glm::dvec3& eye : reference.eyes_mm) {
-    for (int k = 0; k < 3; ++k) eyes.push_back(eye[k]);
-  }
   return "# Webcam calibration of foci. Parameters: the turn of the eyes along x and along y, each "
          "by\n"
          "# 1, x, y, xy, x^2, y^2 of the iris's offset in eye widths; gains of yaw and pitch; the\n"
@@ -226,16 +221,15 @@ std::string webcamCalibrationToml(const WebcamCalibration& calibration) {
          "\nfocal_px = " + exactText(reference.camera.focal_px) +
          "\nprincipal_px = " + exactText(reference.camera.principal_px) +
          "\ndistortion = " + exactText(reference.camera.distortion) +
-         "\nsize_px = " + exactText(reference.camera.size_px) + "\neyes_mm = " + exactText(eyes) +
+         "\nsize_px = " + exactText(reference.camera.size_px) +
+         "\neyes_mm = " + exactText(std::span(&reference.eyes_mm[0].x, 6)) +
          headToml(reference.head);
 }
 
 WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
   CalibrationFile in(file);
   WebcamCalibration calibration;
-  const auto parameters =
-      in.numbers("webcam.parameters", WebcamMap::kParameters, -kMaxNumber, kMaxNumber);
-  std::copy(parameters.begin(), parameters.end(), calibration.map.parameters.begin());
+  in.read("webcam.parameters", calibration.map.parameters, -kMaxNumber, kMaxNumber);
   calibration.map.information =
       in.numbers("webcam.information", WebcamMap::kParameters * WebcamMap::kParameters, -kMaxNumber,
                  kMaxNumber);
@@ -244,15 +238,9 @@ WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
   WebcamReference& reference = calibration.reference;
   reference.camera.focal_px = in.pair("reference.focal_px", 10.0, 1e6);
   reference.camera.principal_px = in.pair("reference.principal_px", -1e6, 1e6);
-  const auto distortion = in.numbers("reference.distortion", 5, -100.0, 100.0);
-  std::copy(distortion.begin(), distortion.end(), reference.camera.distortion.begin());
+  in.read("reference.distortion", reference.camera.distortion, -100.0, 100.0);
   reference.camera.size_px = in.size_px("reference.size_px");
-  const auto eyes = in.numbers("reference.eyes_mm", 6, -1e3, 1e3);
-  for (int i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    reference.eyes_mm[0][i] = eyes[at];
-    reference.eyes_mm[1][i] = eyes[at + 3];
-  }
+  in.read("reference.eyes_mm", std::span(&reference.eyes_mm[0].x, 6), -1e3, 1e3);
   reference.head = readHeadView(in);
   if (in.has("reference.tracker")) {
     const std::string tracker = in.text("reference.tracker");

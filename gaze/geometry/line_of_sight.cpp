@@ -1,6 +1,5 @@
 #include "gaze/geometry/line_of_sight.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <vector>

@@ -178,9 +178,7 @@ ClockFacts SenderClock::facts() const {
 
 std::string clockText(const ClockFacts& clock) {
   const std::string offset = "offset " + decimal(clock.offset_s, 3) + " s";
-  const std::string steps = clock.steps == 0 ? ""
-                                             : ", " + std::to_string(clock.steps) +
-                                                   (clock.steps == 1 ? " step" : " steps");
+  const std::string steps = clock.steps == 0 ? "" : ", " + counted(clock.steps, "step");
   if (clock.measured) return offset + ", measured" + steps;
   return offset + ", drift " + decimal(clock.drift_ppm, 0) + " ppm" + steps;
 }

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 

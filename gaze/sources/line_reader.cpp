@@ -7,7 +7,6 @@
 #include <cstring>
 #include <utility>
 
-#include "base/text.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {

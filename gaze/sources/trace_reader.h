@@ -166,17 +166,8 @@ using TakeSample = std::function<void(const GazeSample&)>;
 
 /// Reads a recording sample by sample, in constant memory.
 ///
-/// It recognises the format from the content. Formats:
-/// - EyeLink ASC.
-/// - Tobii Pro Lab TSV, Tobii Studio TSV, Tobii Pro SDK CSV.
-/// - Pupil Core (gaze_positions.csv, gaze_positions_on_surface_NAME.csv), Neon (gaze.csv).
-/// - GazeBase, GazeBaseVR.
-/// - Text of SMI's BeGaze and IDF Converter.
-/// - BIDS eye tracking (`*_physio.tsv.gz` beside its JSON).
-/// - EyeNavGS, HoloLens 2, SRanipal, Tobii Pro Glasses (gaze in space).
-/// - Neon's native folder, or its `gaze ps1.raw`.
-/// - XDF (Lab Streaming Layer): the channels of its gaze stream are a table's columns.
-/// - Any TSV or CSV with named columns, with one point or two eyes.
+/// It recognises the formats of docs/recordings.md and docs/vr.md from the content, and reads any
+/// TSV or CSV with named columns, with one point or two eyes.
 ///
 /// A table is delimited by tabs, commas, semicolons or blanks. Fields may be quoted, and files may
 /// be gzipped. A first line `# key=value ...` may contain screen_width_px screen_height_px

@@ -69,22 +69,10 @@ bool isCovered(const cv::Mat& image, const EyeInImage& eye) {
 
 /// Pairs of points that neither expression nor gaze moves much. They mirror each other, at the
 /// image's left and right of a face that looks ahead.
-constexpr std::array<std::array<std::size_t, 2>, 16> kPairs{{{33, 263},
-                                                             {133, 362},
-                                                             {127, 356},
-                                                             {234, 454},
-                                                             {34, 264},
-                                                             {21, 251},
-                                                             {54, 284},
-                                                             {103, 332},
-                                                             {67, 297},
-                                                             {109, 338},
-                                                             {116, 345},
-                                                             {117, 346},
-                                                             {111, 340},
-                                                             {122, 351},
-                                                             {193, 417},
-                                                             {198, 420}}};
+constexpr std::array<std::size_t, 16> kLefts{33, 133, 127, 234, 34,  21,  54,  103,
+                                             67, 109, 116, 117, 111, 122, 193, 198};
+constexpr std::array<std::size_t, 16> kRights{263, 362, 356, 454, 264, 251, 284, 332,
+                                              297, 338, 345, 346, 340, 351, 417, 420};
 
 /// The line from the forehead (10) to the base of the nose (2) leans forwards by about this angle
 /// in a face that looks ahead. It differs between people by some 0.1 rad, which a calibration
@@ -114,7 +102,9 @@ std::optional<HeadPose> poseOfMesh(const Pinhole& camera, const FaceMesh& mesh) 
   const double px_per_mm = glm::length(eyes_px) / kMeanIpd_mm;
   if (!(px_per_mm > 0.01)) return std::nullopt;
   glm::dvec3 across(0.0);
-  for (const auto& pair : kPairs) across += mesh.points[pair[1]] - mesh.points[pair[0]];
+  for (std::size_t i = 0; i < kLefts.size(); ++i) {
+    across += mesh.points[kRights[i]] - mesh.points[kLefts[i]];
+  }
   const glm::dvec3 x = glm::normalize(across);
   glm::dvec3 down = mesh.points[2] - mesh.points[10];
   down = glm::normalize(down - glm::dot(down, x) * x);

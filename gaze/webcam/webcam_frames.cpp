@@ -7,7 +7,6 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
-#include <vector>
 
 #include "base/image_codec.h"
 #include "base/input_error.h"

@@ -8,7 +8,6 @@
 #include <cassert>
 #include <limits>
 #include <string>
-#include <utility>
 
 #include "base/parallel.h"
 #include "render/gl/frame_stages.h"

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <initializer_list>
-#include <string_view>
 
 #include "render/gaussians/gaussian_cut.h"
 #include "render/gaussians/projected.h"
@@ -45,6 +44,18 @@ std::string constant(std::string_view name, const glm::mat3& value) {
   return "const mat3 " + std::string(name) + " = mat3(" + text + ");\n";
 }
 
+/// @param names  with ", " between them
+template <typename... Values>
+std::string constants(std::string_view names, const Values&... values) {
+  std::string text;
+  const auto add = [&](const auto& value) {
+    text += constant(names.substr(0, names.find(',')), value);
+    names.remove_prefix(std::min(names.find(", "), names.size() - 2) + 2);
+  };
+  (add(values), ...);
+  return text;
+}
+
 /// The constants of the CPU's code that the shaders use, under the same names.
 std::string sharedConstants() {
   std::string text = constant("kNone", GpuJob::kNone) +
@@ -56,32 +67,21 @@ std::string sharedConstants() {
                      constant("kLinearToHole", kHoleRamp.linear_to) +
                      constant("kOpaqueFromHole", kHoleRamp.opaque_from) +
                      constant("kGroupsARow", static_cast<std::uint32_t>(kGroupsARow));
-#define FOCI_SHARED(name) constant(#name, name)
-  return text + FOCI_SHARED(kHidden) + FOCI_SHARED(kOverlap) + FOCI_SHARED(kWidestSupport2) +
-         FOCI_SHARED(kReach2) + FOCI_SHARED(kLargest_px2) + FOCI_SHARED(kOpaqueWeight) +
-         FOCI_SHARED(kNoise) + FOCI_SHARED(kAnother) + FOCI_SHARED(kPartial) +
-         FOCI_SHARED(kDensityPeak) + FOCI_SHARED(kDensityBend) + FOCI_SHARED(kArcSine) +
-         FOCI_SHARED(kDiscVariancePerRadius2) + FOCI_SHARED(kTile) + FOCI_SHARED(kApron) +
-         FOCI_SHARED(kMostSamples) + FOCI_SHARED(kMaxStep_px) + FOCI_SHARED(kKeyBits) +
-         FOCI_SHARED(kSigmasAStep) + FOCI_SHARED(kBend) + FOCI_SHARED(kBlurredSteps) +
-         FOCI_SHARED(kSubAperturesFrom_px) + FOCI_SHARED(kSubAperturesOnly_px) +
-         FOCI_SHARED(kLongAxis) + FOCI_SHARED(kComaOverlap) + FOCI_SHARED(kMinTilt) +
-         FOCI_SHARED(kLeastCos2) + FOCI_SHARED(kHighlight) + FOCI_SHARED(kFiner) +
-         FOCI_SHARED(kCoarser) + FOCI_SHARED(kFrontCover) + FOCI_SHARED(kTwoSurfaces) +
-         FOCI_SHARED(kMeanScale) + FOCI_SHARED(kMeanNoise) + FOCI_SHARED(kFoldScale) +
-         FOCI_SHARED(kFoldMean) + FOCI_SHARED(kSegmentBend) + FOCI_SHARED(kChord12) +
-         FOCI_SHARED(kChord4) + FOCI_SHARED(kChord0) + FOCI_SHARED(kHalfDiscMoment) +
-         FOCI_SHARED(kCutFade) + FOCI_SHARED(kWidestReach) + FOCI_SHARED(kEdgeOn) +
-         FOCI_SHARED(kLowPassReach_px) + FOCI_SHARED(kLowPass_px2) +
-         FOCI_SHARED(kMaxAlphaOfGaussian) + FOCI_SHARED(kOpaqueTransmittance) +
-         FOCI_SHARED(kFieldMargin) + FOCI_SHARED(kSigmaPerBlur) + FOCI_SHARED(kVergenceReach) +
-         FOCI_SHARED(kMaxPeakExponent) + FOCI_SHARED(kMinAlpha) + FOCI_SHARED(kHarmonicsStep) +
-         FOCI_SHARED(kHarmonic1) + FOCI_SHARED(kHarmonic2a) + FOCI_SHARED(kHarmonic2b) +
-         FOCI_SHARED(kHarmonic2c) + FOCI_SHARED(kHarmonic3a) + FOCI_SHARED(kHarmonic3b) +
-         FOCI_SHARED(kHarmonic3c) + FOCI_SHARED(kHarmonic3d) + FOCI_SHARED(kHarmonic3e) +
-         FOCI_SHARED(kKernelShapes) + FOCI_SHARED(kMaxExponent) + FOCI_SHARED(kJustNoticeable) +
-         FOCI_SHARED(kLinearBelow) + FOCI_SHARED(kLinearSlope) + FOCI_SHARED(kXyzOfWhite) +
-         FOCI_SHARED(kLabOfCurve) + FOCI_SHARED(kLight);
+#define FOCI_SHARED(...) constants(#__VA_ARGS__, __VA_ARGS__)
+  return text +
+         FOCI_SHARED(kHidden, kOverlap, kWidestSupport2, kReach2, kLargest_px2, kOpaqueWeight,
+                     kNoise, kAnother, kPartial, kDensityPeak, kDensityBend, kArcSine,
+                     kDiscVariancePerRadius2, kTile, kApron, kMostSamples, kMaxStep_px, kKeyBits,
+                     kSigmasAStep, kBend, kBlurredSteps, kSubAperturesFrom_px, kSubAperturesOnly_px,
+                     kLongAxis, kComaOverlap, kMinTilt, kLeastCos2, kHighlight, kFiner, kCoarser,
+                     kFrontCover, kTwoSurfaces, kMeanScale, kMeanNoise, kFoldScale, kFoldMean,
+                     kSegmentBend, kChord12, kChord4, kChord0, kHalfDiscMoment, kCutFade,
+                     kWidestReach, kEdgeOn, kLowPassReach_px, kLowPass_px2, kMaxAlphaOfGaussian,
+                     kOpaqueTransmittance, kFieldMargin, kSigmaPerBlur, kVergenceReach,
+                     kMaxPeakExponent, kMinAlpha, kHarmonicsStep, kHarmonic1, kHarmonic2a,
+                     kHarmonic2b, kHarmonic2c, kHarmonic3a, kHarmonic3b, kHarmonic3c, kHarmonic3d,
+                     kHarmonic3e, kKernelShapes, kMaxExponent, kJustNoticeable, kLinearBelow,
+                     kLinearSlope, kXyzOfWhite, kLabOfCurve, kLight);
 #undef FOCI_SHARED
 }
 

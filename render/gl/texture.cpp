@@ -3,7 +3,6 @@
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
-#include <algorithm>
 #include <mutex>
 #include <utility>
 

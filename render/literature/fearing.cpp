@@ -9,21 +9,18 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/parallel.h"
-#include "render/methods/method.h"
-#include "render/methods/post_filter.h"
-#include "render/methods/view_splats.h"
+#include "render/literature/filter_method.h"
 
 namespace foci {
 namespace {
 
-class FearingMethod final : public Method {
+class FearingMethod final : public FilterMethod {
  public:
-  FearingMethod(const SurfelCloud& cloud, int percent) : camera_(cloud), percent_(percent) {}
+  FearingMethod(const SurfelCloud& cloud, int percent) : FilterMethod(cloud), percent_(percent) {}
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    RenderStats stats = camera_.render(view, settings, frame);
-    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
+ private:
+  void filter(const View&, const Defocus& defocus, Frame& frame) override {
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, defocus), defocus);
     if (shown_.size_px != frame.size_px) {
       // Before the first frame, the sharp image counts as shown.
       shown_.size_px = frame.size_px;
@@ -45,11 +42,8 @@ class FearingMethod final : public Method {
     });
 
     frame.rgba = shown_.rgba;
-    if (!settings.depth) frame.depth_m.clear();
-    return stats;
   }
 
- private:
   /// Adds the change since the last frame to the importance of each tile that its light reaches.
   void addImportance(const Frame& frame) {
     struct Change {
@@ -58,9 +52,7 @@ class FearingMethod final : public Method {
     };
     const glm::ivec2 tiles = discs_.tiles();
     std::vector<Change> changes(importance_.size());
-    parallelFor(changes.size(), [&](std::size_t t) {
-      const glm::ivec2 begin = tileAt(static_cast<int>(t)) * DiscImage::kTile_px;
-      const glm::ivec2 end = glm::min(begin + DiscImage::kTile_px, frame.size_px);
+    forEachTile([&](int t, const glm::ivec2& begin, const glm::ivec2& end) {
       for (int y = begin.y; y < end.y; ++y) {
         for (int x = begin.x; x < end.x; ++x) {
           const std::size_t p = static_cast<std::size_t>(y) * frame.size_px.x + x;
@@ -92,9 +84,7 @@ class FearingMethod final : public Method {
 
   glm::ivec2 tileAt(int tile) const { return {tile % discs_.tiles().x, tile / discs_.tiles().x}; }
 
-  PinholeCamera camera_;
   std::size_t percent_;
-  DiscImage discs_;
   Frame shown_;                       // the previous frame
   std::vector<double> importance_;    // by tile, since the tile was last computed
   std::vector<glm::vec4> seen_rgba_;  // of the last pinhole image
@@ -104,16 +94,14 @@ class FearingMethod final : public Method {
 }  // namespace
 
 MethodEntry fearingMethod() {
-  return {.info = {.name = "fearing",
-                   .summary = "potmesil where the image changed, at most N per cent of the frame",
-                   .source = "Fearing 1995",
-                   .family = MethodFamily::post_filter,
-                   .max_n = 100,
-                   .default_n = 100,
-                   .ellipses = false,
-                   .incremental = true,
-                   .lod = true},
-          .make = makeAs<FearingMethod>};
+  return filterEntry<FearingMethod>(
+      {.name = "fearing",
+       .summary = "potmesil where the image changed, at most N per cent of the frame",
+       .source = "Fearing 1995",
+       .family = MethodFamily::post_filter,
+       .max_n = 100,
+       .default_n = 100,
+       .incremental = true});
 }
 
 }  // namespace foci

@@ -8,39 +8,29 @@
 //   3. Light from a nearer surface covers the pixel by its own weights.
 // Known failure: a finished image has one surface at each pixel. The surfaces behind a blurred one
 // are missing, so the inner half of its blurred outline stays opaque.
-#include "base/parallel.h"
-#include "render/methods/method.h"
-#include "render/methods/post_filter.h"
-#include "render/methods/view_splats.h"
+#include "render/literature/filter_method.h"
 
 namespace foci {
 namespace {
 
-class MatthewsMethod final : public Method {
- public:
-  explicit MatthewsMethod(const SurfelCloud& cloud) : camera_(cloud) {}
+class MatthewsMethod final : public FilterMethod {
+  using FilterMethod::FilterMethod;
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    RenderStats stats = camera_.render(view, settings, frame);
-    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
-    parallelFor(static_cast<std::size_t>(discs_.tileCount()),
-                [&](std::size_t tile) { filterTile(static_cast<int>(tile), frame); });
-    if (!settings.depth) frame.depth_m.clear();
-    return stats;
+  void filter(const View&, const Defocus& defocus, Frame& frame) override {
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, defocus), defocus);
+    forEachTile([&](int tile, const glm::ivec2& begin, const glm::ivec2& end) {
+      filterTile(tile, begin, end, frame);
+    });
   }
 
- private:
   /// Light that arrives at a pixel: from surfaces nearer than the pixel's own, and from the rest.
   struct Arrivals {
     glm::vec4 nearer{0.0f}, rest{0.0f};
     float nearer_weight = 0.0f, rest_weight = 0.0f;
   };
 
-  void filterTile(int tile, Frame& frame) const {
+  void filterTile(int tile, const glm::ivec2& begin, const glm::ivec2& end, Frame& frame) const {
     constexpr int kTile_px = DiscImage::kTile_px;
-    const glm::ivec2 begin =
-        glm::ivec2(tile % discs_.tiles().x, tile / discs_.tiles().x) * kTile_px;
-    const glm::ivec2 end = glm::min(begin + kTile_px, frame.size_px);
     std::vector<Arrivals> arrivals(static_cast<std::size_t>(kTile_px) * kTile_px);
 
     discs_.forEachDiscOn(
@@ -81,21 +71,16 @@ class MatthewsMethod final : public Method {
       }
     }
   }
-
-  PinholeCamera camera_;
-  DiscImage discs_;
 };
 
 }  // namespace
 
 MethodEntry matthewsMethod() {
-  return {.info = {.name = "matthews",
-                   .summary = "potmesil without leakage over sharper surfaces in front, normalised",
-                   .source = "after Matthews 1998",
-                   .family = MethodFamily::post_filter,
-                   .ellipses = false,
-                   .lod = true},
-          .make = makeAs<MatthewsMethod>};
+  return filterEntry<MatthewsMethod>(
+      {.name = "matthews",
+       .summary = "potmesil without leakage over sharper surfaces in front, normalised",
+       .source = "after Matthews 1998",
+       .family = MethodFamily::post_filter});
 }
 
 }  // namespace foci

@@ -7,10 +7,7 @@
 // the pyramid are visible. A seam separates the two parts.
 #include <cmath>
 
-#include "base/parallel.h"
-#include "render/methods/method.h"
-#include "render/methods/post_filter.h"
-#include "render/methods/view_splats.h"
+#include "render/literature/filter_method.h"
 
 namespace foci {
 namespace {
@@ -56,21 +53,14 @@ glm::vec4 sampleAt(const Level& level, const glm::vec2& place_px) {
                   glm::mix(pixel(at.x, next.y), pixel(next.x, next.y), t.x), t.y);
 }
 
-class MulderMethod final : public Method {
- public:
-  explicit MulderMethod(const SurfelCloud& cloud) : camera_(cloud) {}
+class MulderMethod final : public FilterMethod {
+  using FilterMethod::FilterMethod;
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    RenderStats stats = camera_.render(view, settings, frame);
-    const std::vector<float> point_D = vergences_D(frame, settings.defocus);
-    discs_.set(frame.size_px, frame.rgba, point_D, settings.defocus);
-    buildPyramid(frame, point_D, settings.defocus);
-
-    parallelFor(static_cast<std::size_t>(discs_.tileCount()), [&](std::size_t t) {
-      const int tile = static_cast<int>(t);
-      const glm::ivec2 begin =
-          glm::ivec2(tile % discs_.tiles().x, tile / discs_.tiles().x) * DiscImage::kTile_px;
-      const glm::ivec2 end = glm::min(begin + DiscImage::kTile_px, frame.size_px);
+  void filter(const View& view, const Defocus& defocus, Frame& frame) override {
+    const std::vector<float> point_D = vergences_D(frame, defocus);
+    discs_.set(frame.size_px, frame.rgba, point_D, defocus);
+    buildPyramid(frame, point_D, defocus);
+    forEachTile([&](int tile, const glm::ivec2& begin, const glm::ivec2& end) {
       const glm::vec2 nearest = glm::clamp(view.principal_px, glm::vec2(begin), glm::vec2(end));
       if (accurateAt(view, nearest)) discs_.spreadOnto(tile, frame.rgba);
       for (int y = begin.y; y < end.y; ++y) {
@@ -78,16 +68,13 @@ class MulderMethod final : public Method {
           const glm::vec2 place(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
           if (accurateAt(view, place)) continue;
           const std::size_t p = static_cast<std::size_t>(y) * frame.size_px.x + x;
-          const glm::vec2 radius_px = cappedRadius_px(settings.defocus, point_D[p]);
+          const glm::vec2 radius_px = cappedRadius_px(defocus, point_D[p]);
           frame.rgba[p] = lookUp(place, std::sqrt(radius_px.x * radius_px.y));
         }
       }
     });
-    if (!settings.depth) frame.depth_m.clear();
-    return stats;
   }
 
- private:
   static bool accurateAt(const View& view, const glm::vec2& place_px) {
     const glm::vec2 tangent = (place_px - view.principal_px) / view.focal_px;
     return glm::length(tangent) < kAccurate_tangent;
@@ -126,22 +113,17 @@ class MulderMethod final : public Method {
     return glm::mix(finer, sampleAt(levels_[level + 1], place_px * (0.5f * scale)), t);
   }
 
-  PinholeCamera camera_;
-  DiscImage discs_;
   std::vector<Level> levels_;
 };
 
 }  // namespace
 
 MethodEntry mulderMethod() {
-  return {
-      .info = {.name = "mulder",
-               .summary = "potmesil around the image centre, a pyramid of blurred images elsewhere",
-               .source = "Mulder and van Liere 2000",
-               .family = MethodFamily::post_filter,
-               .ellipses = false,
-               .lod = true},
-      .make = makeAs<MulderMethod>};
+  return filterEntry<MulderMethod>(
+      {.name = "mulder",
+       .summary = "potmesil around the image centre, a pyramid of blurred images elsewhere",
+       .source = "Mulder and van Liere 2000",
+       .family = MethodFamily::post_filter});
 }
 
 }  // namespace foci

@@ -7,43 +7,28 @@
 // Known failure: each pixel is spread without regard to the others. Blurred light leaks over sharp
 // surfaces in front of it. Where surfaces of different blur meet, one side receives too little
 // light.
-#include "base/parallel.h"
-#include "render/methods/method.h"
-#include "render/methods/post_filter.h"
-#include "render/methods/view_splats.h"
+#include "render/literature/filter_method.h"
 
 namespace foci {
 namespace {
 
-class PotmesilMethod final : public Method {
- public:
-  explicit PotmesilMethod(const SurfelCloud& cloud) : camera_(cloud) {}
+class PotmesilMethod final : public FilterMethod {
+  using FilterMethod::FilterMethod;
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    RenderStats stats = camera_.render(view, settings, frame);
-    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
-    parallelFor(static_cast<std::size_t>(discs_.tileCount()),
-                [&](std::size_t tile) { discs_.spreadOnto(static_cast<int>(tile), frame.rgba); });
-    if (!settings.depth) frame.depth_m.clear();
-    return stats;
+  void filter(const View&, const Defocus& defocus, Frame& frame) override {
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, defocus), defocus);
+    forEachTile([&](int tile, auto&&...) { discs_.spreadOnto(tile, frame.rgba); });
   }
-
- private:
-  PinholeCamera camera_;
-  DiscImage discs_;
 };
 
 }  // namespace
 
 MethodEntry potmesilMethod() {
-  return {.info = {.name = "potmesil",
-                   .summary =
-                       "each pixel of the pinhole image spread evenly over its circle of confusion",
-                   .source = "Potmesil and Chakravarty 1981; Chen 1987",
-                   .family = MethodFamily::post_filter,
-                   .ellipses = false,
-                   .lod = true},
-          .make = makeAs<PotmesilMethod>};
+  return filterEntry<PotmesilMethod>(
+      {.name = "potmesil",
+       .summary = "each pixel of the pinhole image spread evenly over its circle of confusion",
+       .source = "Potmesil and Chakravarty 1981; Chen 1987",
+       .family = MethodFamily::post_filter});
 }
 
 }  // namespace foci

@@ -8,10 +8,7 @@
 // C^2.
 #include <algorithm>
 
-#include "base/parallel.h"
-#include "render/methods/method.h"
-#include "render/methods/post_filter.h"
-#include "render/methods/view_splats.h"
+#include "render/literature/filter_method.h"
 
 namespace foci {
 namespace {
@@ -22,24 +19,19 @@ constexpr float kPass_px2 = 0.5f;
 /// Consecutive pixels of a row that are skipped together once all of them are done. Chosen by hand.
 constexpr int kRun_px = 32;
 
-class RokitaMethod final : public Method {
- public:
-  explicit RokitaMethod(const SurfelCloud& cloud) : camera_(cloud) {}
+class RokitaMethod final : public FilterMethod {
+  using FilterMethod::FilterMethod;
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    RenderStats stats = camera_.render(view, settings, frame);
-    const float max_px2 = plan(frame, settings.defocus);
+  void filter(const View&, const Defocus& defocus, Frame& frame) override {
+    const float max_px2 = plan(frame, defocus);
     other_ = frame.rgba;
     for (int pass = 0; static_cast<float>(pass) * kPass_px2 < max_px2; ++pass) {
       parallelFor(static_cast<std::size_t>(frame.size_px.y),
                   [&](std::size_t y) { filterRow(frame, static_cast<int>(y), pass); });
       std::swap(frame.rgba, other_);
     }
-    if (!settings.depth) frame.depth_m.clear();
-    return stats;
   }
 
- private:
   /// Finds the variance that each pixel needs, and the largest in each run. Returns the largest of
   /// all.
   float plan(const Frame& frame, const Defocus& defocus) {
@@ -90,7 +82,6 @@ class RokitaMethod final : public Method {
     }
   }
 
-  PinholeCamera camera_;
   std::vector<glm::vec4> other_;
   std::vector<glm::vec2> variance_px2_;
   std::vector<float> run_max_px2_;
@@ -100,14 +91,11 @@ class RokitaMethod final : public Method {
 }  // namespace
 
 MethodEntry rokitaMethod() {
-  return {
-      .info = {.name = "rokita",
-               .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
-               .source = "Rokita 1993",
-               .family = MethodFamily::post_filter,
-               .ellipses = false,
-               .lod = true},
-      .make = makeAs<RokitaMethod>};
+  return filterEntry<RokitaMethod>(
+      {.name = "rokita",
+       .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
+       .source = "Rokita 1993",
+       .family = MethodFamily::post_filter});
 }
 
 }  // namespace foci

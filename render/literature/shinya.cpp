@@ -9,11 +9,8 @@
 #include <array>
 #include <cstdint>
 
-#include "base/parallel.h"
+#include "render/literature/filter_method.h"
 #include "render/methods/lens_samples.h"
-#include "render/methods/method.h"
-#include "render/methods/post_filter.h"
-#include "render/methods/view_splats.h"
 
 namespace foci {
 namespace {
@@ -28,13 +25,13 @@ glm::ivec2 nearestPixel(const glm::vec2& shift_px) {
   return glm::ivec2(shift_px + (static_cast<float>(kAbove) + 0.5f)) - kAbove;
 }
 
-class ShinyaMethod final : public Method {
+class ShinyaMethod final : public FilterMethod {
  public:
-  ShinyaMethod(const SurfelCloud& cloud, int rays) : camera_(cloud), rays_(rays) {}
+  ShinyaMethod(const SurfelCloud& cloud, int rays) : FilterMethod(cloud), rays_(rays) {}
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    RenderStats stats = camera_.render(view, settings, frame);
-    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
+ private:
+  void filter(const View&, const Defocus& defocus, Frame& frame) override {
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, defocus), defocus);
     parallelFor(kGroups, [&](std::size_t group) {
       groups_[group].sums.assign(frame.rgba.size(), glm::vec4(0.0f));
       groups_[group].filled.assign(frame.rgba.size(), 0);
@@ -54,11 +51,8 @@ class ShinyaMethod final : public Method {
         if (filled > 0) frame.rgba[p] = sum / static_cast<float>(filled);
       }
     });
-    if (!settings.depth) frame.depth_m.clear();
-    return stats;
   }
 
- private:
   struct Group {
     std::vector<glm::vec4> sums;
     std::vector<std::uint32_t> filled;  // cells that received light
@@ -95,26 +89,20 @@ class ShinyaMethod final : public Method {
     }
   }
 
-  PinholeCamera camera_;
   int rays_;
-  DiscImage discs_;
   std::array<Group, kGroups> groups_;
 };
 
 }  // namespace
 
 MethodEntry shinyaMethod() {
-  return {
-      .info = {.name = "shinya",
-               .summary =
-                   "N rays from each pixel of the pinhole image, hiding each other in ray buffers",
-               .source = "Shinya 1994",
-               .family = MethodFamily::post_filter,
-               .max_n = 4096,
-               .default_n = 64,
-               .ellipses = false,
-               .lod = true},
-      .make = makeAs<ShinyaMethod>};
+  return filterEntry<ShinyaMethod>(
+      {.name = "shinya",
+       .summary = "N rays from each pixel of the pinhole image, hiding each other in ray buffers",
+       .source = "Shinya 1994",
+       .family = MethodFamily::post_filter,
+       .max_n = 4096,
+       .default_n = 64});
 }
 
 }  // namespace foci

@@ -100,6 +100,17 @@ Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation) {
           .zz = a.z * a.z + b.z * b.z + c.z * c.z};
 }
 
+void append(GaussianCloud& to, const GaussianCloud& from) {
+  const auto add = [](auto& all, const auto& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  add(to.position_m, from.position_m);
+  add(to.covariance_m2, from.covariance_m2);
+  add(to.opacity, from.opacity);
+  add(to.color, from.color);
+  add(to.harmonics, from.harmonics);
+}
+
 void scaleBy(GaussianCloud& cloud, float factor) {
   if (factor == 1.0f) return;
   const float squared = factor * factor;

@@ -64,6 +64,9 @@ struct GaussianCloud {
 /// @param rotation  quaternion (x, y, z, w) of unit length
 Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation);
 
+/// Adds Gaussians of the same degree. The tree stays as it is.
+void append(GaussianCloud& to, const GaussianCloud& from);
+
 /// The scene, with its tree, enlarged by `factor`, > 0.
 void scaleBy(GaussianCloud& cloud, float factor);
 

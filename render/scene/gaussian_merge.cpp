@@ -92,9 +92,6 @@ double coveredBy(const GaussianMoments& a, const GaussianMoments& b) {
 float linearOfDisplay(float s) {
   return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
 }
-float displayOfLinear(float l) {
-  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1.0f / 2.4f) - 0.055f;
-}
 /// Change of the linear light by the display value.
 float slopeAt(float s) {
   return s <= 0.04045f ? 1.0f / 12.92f : 2.4f / 1.055f * std::pow((s + 0.055f) / 1.055f, 1.4f);
@@ -112,6 +109,10 @@ MeanColor mean(const MeanColor& a, const MeanColor& b, double weight) {
 }
 
 }  // namespace
+
+float displayOfLinear(float light) {
+  return light <= 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1.0f / 2.4f) - 0.055f;
+}
 
 double meanArea_m2(const Covariance3& covariance_m2) {
   double sum = 0.0;

@@ -16,6 +16,9 @@ namespace foci {
 /// degree 5 exactly over the sphere (McLaren 1963).
 double meanArea_m2(const Covariance3& covariance_m2);
 
+/// sRGB (IEC 61966-2-1), continued beyond 0 and 1.
+float displayOfLinear(float light);
+
 /// Peak of the alpha min(1, peak G) whose covered area is `opacity` times that of G: exp(opacity -
 /// 1) above 1. Merged Gaussians that lie behind each other cover an area with a flat top.
 float peakOf(float opacity);

@@ -1,22 +1,17 @@
 #include "render/scene/joined_scene.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "render/scene/gaussian_cloud.h"
+#include "render/scene/gaussian_merge.h"
 
 namespace foci {
 namespace {
 
 /// Thickness of a flat Gaussian over its width: it needs a volume.
 constexpr float kThickness = 0.02f;
-
-float displayOf(float linear) {
-  const float x = std::clamp(linear, 0.0f, 1.0f);
-  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
-}
 
 void addOuter(Covariance3& v, const glm::vec3& a, float weight) {
   v.xx += weight * a.x * a.x;
@@ -25,11 +20,6 @@ void addOuter(Covariance3& v, const glm::vec3& a, float weight) {
   v.yy += weight * a.y * a.y;
   v.yz += weight * a.y * a.z;
   v.zz += weight * a.z * a.z;
-}
-
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
 }
 
 /// Gaussians of either kind of scene, without a tree.
@@ -61,11 +51,7 @@ SurfelCloud joinedGaussians(const SurfelCloud& scene, const SurfelCloud& part) {
   const int degree = std::max(all.degree, more.degree);
   raiseDegree(all, degree);
   raiseDegree(more, degree);
-  append(all.position_m, more.position_m);
-  append(all.covariance_m2, more.covariance_m2);
-  append(all.opacity, more.opacity);
-  append(all.color, more.color);
-  append(all.harmonics, more.harmonics);
+  append(all, more);
   SurfelCloud joined;
   joined.gaussians = std::make_shared<const GaussianCloud>(std::move(all));
   return joined;
@@ -162,7 +148,8 @@ GaussianCloud gaussiansOf(const SurfelCloud& surfels) {
     const glm::vec3 normal = glm::normalize(glm::cross(glm::normalize(u), glm::normalize(v)));
     const float thin = kThickness * std::min(glm::length(u), glm::length(v));
     addOuter(cloud.covariance_m2[i], normal, thin * thin);
-    for (int c = 0; c < 3; ++c) cloud.color[i][c] = displayOf(surfels.color[i][c]);
+    const glm::vec3 light = glm::clamp(surfels.color[i], 0.0f, 1.0f);
+    for (int c = 0; c < 3; ++c) cloud.color[i][c] = displayOfLinear(light[c]);
   }
   return cloud;
 }

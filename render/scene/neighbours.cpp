@@ -11,6 +11,7 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
 namespace {
@@ -282,11 +283,8 @@ std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> po
 }
 
 std::vector<std::uint32_t> mortonOrder(std::span<const glm::vec3> position_m) {
-  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-  for (const glm::vec3& p : position_m) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  if (position_m.empty()) return {};
+  const auto [low, high] = boxOf(position_m);
   const glm::vec3 size = high - low;
   const float scale = kLastCell / std::max({size.x, size.y, size.z, 1e-30f});
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(position_m.size());

@@ -42,6 +42,20 @@ struct PointCloud {
   std::vector<std::string> remarks;
 
   std::size_t size() const { return position_m.size(); }
+
+  /// Calls `visit` with each array of values by point.
+  template <typename Visit>
+  void forEachArray(const Visit& visit) {
+    visit(position_m);
+    visit(normal);
+    visit(color);
+    visit(radius_m);
+    visit(opacity);
+    visit(body);
+    visit(surface);
+    visit(objects.of.own());
+    visit(area_m2);
+  }
 };
 
 }  // namespace foci

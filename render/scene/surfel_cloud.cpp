@@ -12,6 +12,15 @@ std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud) {
   return cloud.position_m;
 }
 
+std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places) {
+  glm::vec3 low(places[0]), high(low);
+  for (const glm::vec3& p : places) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  return {low, high};
+}
+
 void appendSurfel(SurfelCloud& cloud, const glm::vec3& position_m, const glm::vec3& normal,
                   float sigma_m, float area_m2, const glm::vec3& color, float opacity) {
   const glm::vec3 u = tangentTo(normal), v = glm::cross(normal, u);

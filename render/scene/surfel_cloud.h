@@ -106,6 +106,9 @@ struct SurfelCloud {
 /// Positions of all surfels, or of all Gaussians.
 std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud);
 
+/// The least and the greatest coordinates of places, not empty.
+std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places);
+
 /// Standard deviation of a surfel's basis over the local spacing of samples, sqrt(area of one
 /// sample). On the paper's plane, with one surfel a pixel, it gives the paper's sqrt|V| = 1.38 px^2
 /// (docs/formulas.md, section 7).

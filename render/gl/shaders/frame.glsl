@@ -51,3 +51,13 @@ uint groupIndex() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupI
 uint threadIndex(uint group_size) { return groupIndex() * group_size + gl_LocalInvocationIndex; }
 
 int samplesOf(ivec4 tile) { return tile.z / tile.w + (tile.w > 1 ? 2 * kApron : 0); }
+
+// Of 256 threads, `me` is one: its `sums[me]` becomes the sum of those up to its own.
+#define SUM_UP(sums, Type)                                 \
+  barrier();                                               \
+  for (uint step = 1u; step < 256u; step *= 2u) {          \
+    Type before = me >= step ? sums[me - step] : Type(0u); \
+    barrier();                                             \
+    sums[me] += before;                                    \
+    barrier();                                             \
+  }

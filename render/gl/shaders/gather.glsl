@@ -56,13 +56,7 @@ void main() {
     }
   }
   counts[me] = count;
-  barrier();
-  for (uint step = 1u; step < 256u; step *= 2u) {
-    uvec4 before = me >= step ? counts[me - step] : uvec4(0u);
-    barrier();
-    counts[me] += before;
-    barrier();
-  }
+  SUM_UP(counts, uvec4)
 #ifdef FILL
   uvec4 at = sums[group] + counts[me] - count;
   at.yz += uvec2(cut_nodes, cut_whole);

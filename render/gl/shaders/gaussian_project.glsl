@@ -1,19 +1,15 @@
 // Projects Gaussians and nodes of the cut: what render/gaussians/projected.cpp does, which has the
 // formulas. One thread an entry. DEGREE is that of the harmonics.
 
-#ifdef CUT
 layout(std430, binding = 0) readonly buffer Entries { uvec2 entries[]; };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 node[]; };
-#endif
 // Four vectors a Gaussian and a node: (position, opacity); (xx, xy, xz, yy), (yz, zz, growth, 0) of
 // the covariance; (colour, 0).
 layout(std430, binding = 1) readonly buffer Gaussians { vec4 gaussian[]; };
 #if DEGREE > 0
 // Packed in pairs: red, green and blue of each harmonic in turn.
 layout(std430, binding = 2) readonly buffer Harmonics { uint harmonics[]; };
-#ifdef CUT
 layout(std430, binding = 6) readonly buffer NodeHarmonics { uint node_harmonics[]; };
-#endif
 #endif
 // Two vectors each: (x, y, vxx, vxy), (vyy, sx, sy, e); (off_D, opacity, cut, distance), (colour, 0).
 layout(std430, binding = 4) writeonly buffer ProjectedA { vec4 projected_a[]; };
@@ -43,11 +39,7 @@ const uint kWords = uint(kCoefficients + 1) / 2u;  // of a Gaussian
 // In steps (kHarmonicsStep). @param i  within the window
 float coefficientOf(bool is_node, uint i, int k) {
   uint at = i * kWords + uint(k >> 1);
-#ifdef CUT
   uint word = is_node ? node_harmonics[at] : harmonics[at];
-#else
-  uint word = harmonics[at];
-#endif
   return float(bitfieldExtract(int(word), 16 * (k & 1), 16));
 }
 
@@ -103,11 +95,8 @@ void projectEntry(uint slot) {
   if (i >= (is_node ? window.y : window.w)) return;
   writeNoKey(slot);
   Gaussian g;
-#ifdef CUT
   if (is_node) g = GAUSSIAN_OF(node, 4u * i);
-  else
-#endif
-  g = GAUSSIAN_OF(gaussian, 4u * i);
+  else g = GAUSSIAN_OF(gaussian, 4u * i);
 
   vec3 from_eye = fromEye(g.position);
   vec3 p = inEyeAxes(from_eye);

@@ -10,13 +10,7 @@ void main() {
   uvec4 mine = uvec4(0u);
   for (uint i = first; i < end; ++i) mine += sums[i];
   parts[me] = mine;
-  barrier();
-  for (uint step = 1u; step < 256u; step *= 2u) {
-    uvec4 before = me >= step ? parts[me - step] : uvec4(0u);
-    barrier();
-    parts[me] += before;
-    barrier();
-  }
+  SUM_UP(parts, uvec4)
   uvec4 running = parts[me] - mine;
   for (uint i = first; i < end; ++i) {
     uvec4 count = sums[i];

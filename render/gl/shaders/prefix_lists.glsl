@@ -15,13 +15,7 @@ void main() {
   uint end = min(first + each, tile_count), mine = 0u;
   for (uint i = first; i < end; ++i) mine += cursor[i];
   parts[me] = mine;
-  barrier();
-  for (uint step = 1u; step < 256u; step *= 2u) {
-    uint before = me >= step ? parts[me - step] : 0u;
-    barrier();
-    parts[me] += before;
-    barrier();
-  }
+  SUM_UP(parts, uint)
   uint running = parts[me] - mine;
   for (uint i = first; i < end; ++i) {
     uint count = cursor[i];

@@ -2,11 +2,9 @@
 // finish_splats-inl.h do. One thread an entry.
 
 layout(std430, binding = 0) readonly buffer Entries { uvec2 entries[]; };
-#ifdef CUT
 layout(std430, binding = 1) readonly buffer NodePlaces { vec4 node_place[]; };
 // Three a node, as bits: packed integers are no floats, which a device may flush to zero.
 layout(std430, binding = 2) readonly buffer Nodes { uvec4 node[]; };
-#endif
 // Two vectors a surfel and a splat in each; apart, because drivers limit the size of a buffer.
 layout(std430, binding = 3) readonly buffer SurfelsA { vec4 surfel_a[]; };
 layout(std430, binding = 10) readonly buffer SurfelsB { vec4 surfel_b[]; };
@@ -21,9 +19,7 @@ layout(std430, binding = 9) writeonly buffer Sharper { vec4 sharper[]; };  // th
 #endif
 #ifdef BODIES
 layout(std430, binding = 12) readonly buffer Outside { uint outside[]; };  // by body
-#ifdef CUT
 layout(std430, binding = 13) readonly buffer AllFacing { uint facing[]; };
-#endif
 #endif
 
 // Of `node` and the surfels the shader sees a window: first node, number, first surfel, number.
@@ -47,7 +43,6 @@ struct Kernel {
   bool sound;
 };
 
-#ifdef CUT
 // @param i  within the window
 Footprint nodeFootprint(uint i, vec3 p, vec3 to_x, vec3 to_y, vec3 to_distance) {
   vec4 a = uintBitsToFloat(node[3u * i]);
@@ -70,7 +65,6 @@ Footprint nodeFootprint(uint i, vec3 p, vec3 to_x, vec3 to_y, vec3 to_distance) 
   f.slant = q / max(dot(q, p), max(kLeastCos2 * dot(p, p) * trace, 1e-36));
   return f;
 }
-#endif
 
 // @param i  within the window
 Footprint surfelFootprint(uint i, vec3 p, vec3 to_x, vec3 to_y, vec3 to_distance) {
@@ -229,11 +223,7 @@ void projectEntry(uint slot) {
   uint i = index - (is_node ? window.x : window.z);  // wraps around before the window
   if (i >= (is_node ? window.y : window.w)) return;
   writeNoKey(slot);
-#ifdef CUT
   vec3 p = is_node ? node_place[index].xyz : surfel_a[2u * i].xyz;
-#else
-  vec3 p = surfel_a[2u * i].xyz;
-#endif
   bool along_axis = scene.z != 0;
   vec3 eye = vec3(right.w, up.w, back.w);
   p -= eye;
@@ -261,12 +251,8 @@ void projectEntry(uint slot) {
   vec3 to_x = slope.x * along + focal.x * inv_depth * (back.xyz * tangent.x + right.xyz);
   vec3 to_y = slope.y * along - focal.y * inv_depth * (back.xyz * tangent.y + up.xyz);
 
-#ifdef CUT
   Footprint f = is_node ? nodeFootprint(i, p, to_x, to_y, along)
                         : surfelFootprint(i, p, to_x, to_y, along);
-#else
-  Footprint f = surfelFootprint(i, p, to_x, to_y, along);
-#endif
   lane.reach = sqrt(kReach2 * f.along2 + f.thick2);
   lane.prefilter = square(max(acuity.w * length(lane.at - acuity.xy) + acuity.z, 1.0));
   float soft = (kOverlap - 1.0) * (1.0 - f.own) + 1.0;
@@ -292,13 +278,8 @@ void projectEntry(uint slot) {
 
   float towards = dot(f.normal, p);
 #ifdef BODIES
-#ifdef CUT
   uint body = is_node ? facing[index] & 0xFFFFu : uint(surfel_b[2u * i].w);
   bool both_sides = is_node && facing[index] >> 16 == 0u;
-#else
-  uint body = uint(surfel_b[2u * i].w);
-  const bool both_sides = false;
-#endif
   bool from_outside = body != kSeveral && outside[body] != 0u;
   if (from_outside && !both_sides) {
     if (towards > sub_aperture_shading.w) return;
@@ -318,13 +299,9 @@ void projectEntry(uint slot) {
 
   Kernel kernel = kernelOf(lane, 1.0, 1.0, weight);
   if (!kernel.sound || !touches(lane.at, kernel.extent)) return;
-#ifdef CUT
   vec4 look = is_node ? vec4(uintBitsToFloat(node[3u * i + 2u].xyz),
                              float(node[3u * i + 1u].w & 0xFFFFu) * (1.0 / 65535.0))
                       : vec4(surfel_b[2u * i + 1u].xyz, surfel_a[2u * i].w);
-#else
-  vec4 look = vec4(surfel_b[2u * i + 1u].xyz, surfel_a[2u * i].w);
-#endif
   vec3 colour = lane.shade * look.a * look.rgb;
   bool is_back = cells.w != 0 && lane.away > 0.0;
   splat_a[2u * slot] = vec4(lane.at, kernel.q.xy);

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "base/parallel.h"
+#include "render/scene/tree_order.h"
 
 namespace foci {
 namespace {
@@ -16,35 +16,6 @@ constexpr std::size_t kChildren = 4;
 /// The smallest ratio of a node's lesser variance to the sum of both. Chosen by hand: a thousandth
 /// of the length keeps the matrix invertible.
 constexpr float kMinVarianceRatio = 1e-6f;
-
-struct Item {
-  glm::vec3 position_m;
-  float radius_m;  // of a disc of the surfel's area
-  std::uint32_t surfel;
-};
-
-struct Box {
-  glm::vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
-};
-
-Box boxOf(std::span<const Item> items) {
-  Box box;
-  for (const Item& item : items) {
-    box.low = glm::min(box.low, item.position_m);
-    box.high = glm::max(box.high, item.position_m);
-  }
-  return box;
-}
-
-/// Moves the `middle` items that come first along the longest side to the front.
-void halve(std::span<Item> items, std::size_t middle) {
-  const Box box = boxOf(items);
-  const glm::vec3 size = box.high - box.low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-  std::nth_element(
-      items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
-      [axis](const Item& a, const Item& b) { return a.position_m[axis] < b.position_m[axis]; });
-}
 
 /// A symmetric 3x3 matrix: xx, xy, xz, yy, yz, zz.
 using Symmetric = std::array<float, 6>;
@@ -154,13 +125,10 @@ bool isVisible(const SurfelCloud& cloud, std::size_t i) {
 }  // namespace
 
 PaperHierarchy::PaperHierarchy(const SurfelCloud& cloud) {
-  std::vector<Item> items;
+  std::vector<TreeItem<glm::vec3>> items;
   items.reserve(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!isVisible(cloud, i)) continue;
-    items.push_back({cloud.position_m[i],
-                     std::sqrt(cloud.area_m2[i] * std::numbers::inv_pi_v<float>),
-                     static_cast<std::uint32_t>(i)});
+    if (isVisible(cloud, i)) items.push_back({cloud.position_m[i], static_cast<std::uint32_t>(i)});
   }
   first_ = {0};
   order_.resize(items.size());  // `surfels` reads its size
@@ -170,24 +138,13 @@ PaperHierarchy::PaperHierarchy(const SurfelCloud& cloud) {
     if (nodes * kChildren >= items.size()) break;
   }
   nodes_.resize(first_.back());
-  const auto slice = [&](std::size_t begin, std::size_t end) {
-    return std::span(items).subspan(begin, end - begin);
-  };
 
-  // Go down the levels and sort the surfels into the nodes.
-  for (int l = 0; l + 1 < levels(); ++l) {
-    parallelFor(level(l).size(), [&](std::size_t node) {
-      std::array<std::size_t, kChildren + 1> at{};
-      for (std::size_t c = 0; c < kChildren; ++c) {
-        at[c] = surfels(l + 1, kChildren * node + c).begin;
-      }
-      at[kChildren] = surfels(l, node).end;
-      halve(slice(at[0], at[4]), at[2] - at[0]);
-      halve(slice(at[0], at[2]), at[1] - at[0]);
-      halve(slice(at[2], at[4]), at[3] - at[2]);
-    });
-  }
-  parallelFor(items.size(), [&](std::size_t i) { order_[i] = items[i].surfel; });
+  sortIntoTree(items, 2 * levels() - 1);  // a binary tree, of which these are every second level
+  std::vector<glm::vec3> places_m(items.size());
+  parallelFor(items.size(), [&](std::size_t i) {
+    order_[i] = items[i].index;
+    places_m[i] = items[i].place_m;
+  });
 
   // Go up the levels and sum moments, of the surfels first and of the children then.
   std::vector<Moments> below, here;
@@ -202,12 +159,12 @@ PaperHierarchy::PaperHierarchy(const SurfelCloud& cloud) {
       }
       PaperNode& out = nodes_[first_[l] + node];
       out = nodeOf(here[node]);
-      const Box box = boxOf(slice(begin, end));
-      out.center_m = 0.5f * (box.low + box.high);
+      const auto [low, high] = boxOf(std::span(places_m).subspan(begin, end - begin));
+      out.center_m = 0.5f * (low + high);
       out.radius_m = 0.0f;
-      for (const Item& item : slice(begin, end)) {
-        out.radius_m =
-            std::max(out.radius_m, glm::length(item.position_m - out.center_m) + item.radius_m);
+      for (std::size_t i = begin; i < end; ++i) {
+        const float disc_m = std::sqrt(cloud.area_m2[order_[i]] * std::numbers::inv_pi_v<float>);
+        out.radius_m = std::max(out.radius_m, glm::length(places_m[i] - out.center_m) + disc_m);
       }
     });
     std::swap(below, here);

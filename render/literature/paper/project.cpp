@@ -144,27 +144,10 @@ HWY_INLINE Blur blurAt(const PaperProjectJob& job, V distance) {
   return {cx, cy, {hn::Mul(hn::Mul(scale, cx), cx), xy, hn::Mul(hn::Mul(scale, cy), cy)}};
 }
 
-/// circumellipse(B, V_C) with V_C = a diag(C_x^2, C_y^2): where y is scaled by C_x / C_y, V_C is a
-/// circle.
-HWY_INLINE Variances circumellipseLanes(float y_per_x, const Variances& b, V circle) {
-  const D d;
-  alignas(64) float xx[kMaxLanes], xy[kMaxLanes], yy[kMaxLanes], c[kMaxLanes];
-  hn::Store(b.xx, d, xx);
-  hn::Store(b.xy, d, xy);
-  hn::Store(b.yy, d, yy);
-  hn::Store(circle, d, c);
-  const float x_per_y = 1.0f / y_per_x;
-  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-    const Variance w = circumellipse({xx[k], xy[k] * x_per_y, yy[k] * x_per_y * x_per_y}, c[k]);
-    xx[k] = w.xx;
-    xy[k] = w.xy * y_per_x;
-    yy[k] = w.yy * y_per_x * y_per_x;
-  }
-  return {hn::Load(d, xx), hn::Load(d, xy), hn::Load(d, yy)};
-}
-
-/// circumellipse(B, V_C) for an ellipse V_C.
-HWY_INLINE Variances circumellipseLanes(const Variances& b, const Variances& c) {
+/// circumellipse(B, V_C). Of a round lens, V_C = a diag(C_x^2, C_y^2): where y is scaled by
+/// C_x / C_y, V_C is a circle.
+HWY_INLINE Variances circumellipseLanes(const PaperProjectJob& job, const Variances& b,
+                                        const Variances& c) {
   const D d;
   alignas(64) float of_b[3][kMaxLanes], of_c[3][kMaxLanes];
   hn::Store(b.xx, d, of_b[0]);
@@ -173,12 +156,15 @@ HWY_INLINE Variances circumellipseLanes(const Variances& b, const Variances& c) 
   hn::Store(c.xx, d, of_c[0]);
   hn::Store(c.xy, d, of_c[1]);
   hn::Store(c.yy, d, of_c[2]);
+  const bool round = !isAstigmatic(job.defocus);
+  const float y_per_x = round ? job.blur_y_per_x : 1.0f, x_per_y = 1.0f / y_per_x;
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-    const Variance w = circumellipse({of_b[0][k], of_b[1][k], of_b[2][k]},
-                                     Variance{of_c[0][k], of_c[1][k], of_c[2][k]});
+    const Variance scaled{of_b[0][k], of_b[1][k] * x_per_y, of_b[2][k] * x_per_y * x_per_y};
+    const Variance w = round ? circumellipse(scaled, of_c[0][k])
+                             : circumellipse(scaled, {of_c[0][k], of_c[1][k], of_c[2][k]});
     of_b[0][k] = w.xx;
-    of_b[1][k] = w.xy;
-    of_b[2][k] = w.yy;
+    of_b[1][k] = w.xy * y_per_x;
+    of_b[2][k] = w.yy * y_per_x * y_per_x;
   }
   return {hn::Load(d, of_b[0]), hn::Load(d, of_b[1]), hn::Load(d, of_b[2])};
 }
@@ -195,9 +181,7 @@ HWY_INLINE LowPass lowPassOf(const PaperProjectJob& job, std::size_t i, const Ja
   const V3 u = rotate(job.view, load3(&job.surfels.spread_u_m[i].x));
   const V3 v = rotate(job.view, load3(&job.surfels.spread_v_m[i].x));
   const Variances filter = varianceOf(jacobian.x(u), jacobian.y(u), jacobian.x(v), jacobian.y(v));
-  return {isAstigmatic(job.defocus) ? circumellipseLanes(filter, blur)
-                                    : circumellipseLanes(job.blur_y_per_x, filter, blur.xx),
-          hn::MulAdd(u.z, u.z, hn::Mul(v.z, v.z))};
+  return {circumellipseLanes(job, filter, blur), hn::MulAdd(u.z, u.z, hn::Mul(v.z, v.z))};
 }
 
 /// Half of the z-range. Across the plane the depth changes by the sine of the plane's tilt times

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "render/kernel/kernel.h"
+#include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
 namespace {
@@ -109,7 +110,7 @@ DiscScene::DiscScene(const std::vector<SeenSurfel>& surfels, const Defocus& defo
     nearest_ = std::min(nearest_, disc.z - 4.0f * disc.w);
     furthest_ = std::max(furthest_, disc.z + 1.0f);
   }
-  rtcSetGeometryOccludedFilterFunction(discs, gather);
+  rtcSetGeometryIntersectFilterFunction(discs, gather);
   scene_.build(discs);
 }
 
@@ -126,16 +127,7 @@ void DiscScene::trace(const glm::vec2& pixel, const glm::vec2& lens, std::vector
                 glm::vec2(j.x * lens.x + j.y * lens.y, j.y * lens.x - j.x * lens.y);
   const glm::vec2 slope = line.lens_px_per_D / px_per_D_;
   const glm::vec2 from = line.pixel - line.lens_px_per_D * defocus_.focus_D + slope * nearest_;
-  RTCRay ray{};
-  ray.org_x = from.x;
-  ray.org_y = from.y;
-  ray.org_z = nearest_;
-  ray.dir_x = slope.x;
-  ray.dir_y = slope.y;
-  ray.dir_z = 1.0f;
-  ray.tfar = furthest_ - nearest_;
-  ray.mask = ~0u;
-  scene_.occlude(line.context, ray);
+  scene_.trace(line.context, {from, nearest_}, {slope, 1.0f}, 0.0f, furthest_ - nearest_);
   std::sort(hits.begin(), hits.end(),
             [](const Hit& a, const Hit& b) { return a.surfel < b.surfel; });
 }
@@ -162,11 +154,7 @@ std::vector<SeenSurfel> seenSurfels(const SurfelCloud& cloud, const View& view, 
     all[i] = seen(cloud, i, view, rotation, along, shading);
     kept[i] = allFinite(all[i]);
   });
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (kept[i]) all[count++] = all[i];
-  }
-  all.resize(count);
+  keepMarked(all, kept);
   std::stable_sort(all.begin(), all.end(), [](const SeenSurfel& a, const SeenSurfel& b) {
     return a.distance_m < b.distance_m;
   });

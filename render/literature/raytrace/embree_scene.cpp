@@ -34,32 +34,30 @@ void EmbreeScene::build(RTCGeometry geometry) {
   }
 }
 
+RTCRayHit EmbreeScene::trace(EmbreeContext& context, const glm::vec3& from, const glm::vec3& along,
+                             float begin, float end) const {
+  RTCRayHit ray{};
+  ray.ray.org_x = from.x;
+  ray.ray.org_y = from.y;
+  ray.ray.org_z = from.z;
+  ray.ray.dir_x = along.x;
+  ray.ray.dir_y = along.y;
+  ray.ray.dir_z = along.z;
+  ray.ray.tnear = begin;
+  ray.ray.tfar = end;
+  ray.ray.mask = ~0u;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
-void EmbreeScene::intersect(EmbreeContext& context, RTCRayHit& ray) const {
   rtcInitRayQueryContext(&context);
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
   arguments.context = &context;
   rtcIntersect1(scene_, &ray, &arguments);
-}
-
-void EmbreeScene::occlude(EmbreeContext& context, RTCRay& ray) const {
-  rtcInitRayQueryContext(&context);
-  RTCOccludedArguments arguments;
-  rtcInitOccludedArguments(&arguments);
-  arguments.context = &context;
-  rtcOccluded1(scene_, &ray, &arguments);
-}
 #else
-void EmbreeScene::intersect(EmbreeContext& context, RTCRayHit& ray) const {
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene_, &context, &ray);
-}
-
-void EmbreeScene::occlude(EmbreeContext& context, RTCRay& ray) const {
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene_, &context, &ray);
-}
 #endif
+  return ray;
+}
 
 }  // namespace foci

@@ -6,6 +6,7 @@
 #else
 #include <embree3/rtcore.h>
 #endif
+#include <glm/glm.hpp>
 
 namespace foci {
 
@@ -31,9 +32,10 @@ class EmbreeScene {
   /// Throws std::runtime_error where Embree fails.
   void build(RTCGeometry geometry);
 
-  /// The nearest hit of a ray; whether there is any.
-  void intersect(EmbreeContext& context, RTCRayHit& ray) const;
-  void occlude(EmbreeContext& context, RTCRay& ray) const;
+  /// A ray and its nearest hit, if there is one.
+  /// @param begin, end  of the ray, times `along`
+  RTCRayHit trace(EmbreeContext& context, const glm::vec3& from, const glm::vec3& along,
+                  float begin, float end) const;
 
  private:
   RTCDevice device_ = nullptr;

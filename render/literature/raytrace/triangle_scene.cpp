@@ -156,19 +156,9 @@ RayColor TriangleScene::trace(const glm::vec2& point_px, const glm::vec2& lens,
             .farther_than_D = std::numeric_limits<double>::infinity()};
   RayColor seen;
   for (int surface = 0; surface < kMaxSurfaces; ++surface) {
-    RTCRayHit ray{};
-    const glm::dvec2 from = at + b * double{nearest_D_};
-    ray.ray.org_x = static_cast<float>(from.x);
-    ray.ray.org_y = static_cast<float>(from.y);
-    ray.ray.org_z = -px_per_D_ * nearest_D_;
-    ray.ray.dir_x = static_cast<float>(-b.x / px_per_D_);
-    ray.ray.dir_y = static_cast<float>(-b.y / px_per_D_);
-    ray.ray.dir_z = 1.0f;
-    ray.ray.tfar = 2.0f * px_per_D_ * nearest_D_;
-    ray.ray.mask = ~0u;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     line.vergence_D = -1.0;
-    scene_.intersect(line.context, ray);
+    scene_.trace(line.context, {at + b * double{nearest_D_}, -px_per_D_ * nearest_D_},
+                 {-b / double{px_per_D_}, 1.0f}, 0.0f, 2.0f * px_per_D_ * nearest_D_);
     if (line.vergence_D < 0.0) break;
     ++fragments;
     const MeshColor color = colorAt(mesh_, line.place, 0.0f);

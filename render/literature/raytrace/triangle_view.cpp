@@ -226,18 +226,8 @@ RaySeen MeshRays::trace(const glm::vec3& eye_m, const glm::vec3& sight, float fo
   float transmittance = 1.0f, from_m = 0.0f;
   for (int surface = 0; surface < kMaxLayers; ++surface) {
     EmbreeContext context;
-    RTCRayHit ray{};
-    ray.ray.org_x = eye_m.x;
-    ray.ray.org_y = eye_m.y;
-    ray.ray.org_z = eye_m.z;
-    ray.ray.dir_x = sight.x;
-    ray.ray.dir_y = sight.y;
-    ray.ray.dir_z = sight.z;
-    ray.ray.tnear = from_m;
-    ray.ray.tfar = std::numeric_limits<float>::infinity();
-    ray.ray.mask = ~0u;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    scene_->intersect(context, ray);
+    const RTCRayHit ray =
+        scene_->trace(context, eye_m, sight, from_m, std::numeric_limits<float>::infinity());
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
     const MeshPoint place{ray.hit.primID, glm::vec2(ray.hit.u, ray.hit.v)};
     const MeshColor color = colorAt(mesh_, place, footprint * ray.ray.tfar);

@@ -12,6 +12,8 @@
 namespace foci {
 namespace {
 
+using glm::vec2;
+
 constexpr float kTable_m = 1.22f;
 
 // The built-in study's screen: 1280 pixels, 0.5 m wide, 0.6 m away.
@@ -170,13 +172,9 @@ void addTableExhibits(GalleryStage& stage) {
       {.gloss = 0.4f, .hardness = 70.0f});
   const glm::vec3 plinth(kKnot.x, kTable_m, kKnot.z);
   stage.addOccluder(plinth + glm::vec3(0, 0.02f, 0), 0.05f);
-  stage.addClosed(lathe(plinth, {{0.0f, 0.0f},
-                                 {0.070f, 0.0f},
-                                 {0.070f, 0.012f},
-                                 {0.058f, 0.020f},
-                                 {0.048f, 0.045f},
-                                 {0.052f, 0.060f},
-                                 {0.0f, 0.061f}}),
+  stage.addClosed(lathe(plinth, {vec2(0.0f, 0.0f), vec2(0.070f, 0.0f), vec2(0.070f, 0.012f),
+                                 vec2(0.058f, 0.020f), vec2(0.048f, 0.045f), vec2(0.052f, 0.060f),
+                                 vec2(0.0f, 0.061f)}),
                   [](const SurfacePoint& at) {
                     return marble(at.p_world, srgb(0x2c2b2e), srgb(0xd8c9a8), 9.0f);
                   },
@@ -195,19 +193,11 @@ void addFigure(GalleryStage& stage) {
   stage.addClosed(
       head(kBust, scale, {-glm::pi<float>(), glm::pi<float>()}, {-1.5707f, 1.5707f}, true), stone,
       polished);
-  const Shape trunk = lathe({0, 0, 0}, {{0.0f, 0.0f},
-                                        {0.075f, 0.0f},
-                                        {0.078f, 0.012f},
-                                        {0.05f, 0.024f},
-                                        {0.042f, 0.045f},
-                                        {0.075f, 0.075f},
-                                        {0.118f, 0.115f},
-                                        {0.142f, 0.155f},
-                                        {0.138f, 0.18f},
-                                        {0.098f, 0.203f},
-                                        {0.066f, 0.225f},
-                                        {0.060f, 0.29f},
-                                        {0.0f, 0.29f}});
+  const Shape trunk = lathe(
+      {0, 0, 0}, {vec2(0.0f, 0.0f), vec2(0.075f, 0.0f), vec2(0.078f, 0.012f), vec2(0.05f, 0.024f),
+                  vec2(0.042f, 0.045f), vec2(0.075f, 0.075f), vec2(0.118f, 0.115f),
+                  vec2(0.142f, 0.155f), vec2(0.138f, 0.18f), vec2(0.098f, 0.203f),
+                  vec2(0.066f, 0.225f), vec2(0.060f, 0.29f), vec2(0.0f, 0.29f)});
   stage.addClosed(
       [trunk](glm::vec2 uv) {
         const glm::vec3 p = trunk(uv);
@@ -245,14 +235,10 @@ void addFigure(GalleryStage& stage) {
   const glm::vec3 foot(kMask.x, kTable_m, kMask.z + 0.02f);
   const Paint brass = [](const SurfacePoint&) { return srgb(0xc79a4b); };
   stage.addOccluder(foot, 0.035f);
-  stage.addClosed(lathe(foot, {{0.0f, 0.0f},
-                               {0.040f, 0.0f},
-                               {0.038f, 0.004f},
-                               {0.012f, 0.010f},
-                               {0.0035f, 0.02f},
-                               {0.0025f, 0.10f},
-                               {0.0f, 0.10f}}),
-                  brass, {.gloss = 0.4f, .hardness = 40.0f});
+  stage.addClosed(
+      lathe(foot, {vec2(0.0f, 0.0f), vec2(0.040f, 0.0f), vec2(0.038f, 0.004f), vec2(0.012f, 0.010f),
+                   vec2(0.0035f, 0.02f), vec2(0.0025f, 0.10f), vec2(0.0f, 0.10f)}),
+      brass, {.gloss = 0.4f, .hardness = 40.0f});
 }
 
 /// On pedestals behind the table: a fluted vase, a pile of spheres.
@@ -264,31 +250,19 @@ void addPedestals(GalleryStage& stage) {
   for (const glm::vec3& top : {kVase, kSpheres}) {
     stage.addOccluder(top - glm::vec3(0, 0.2f, 0), 0.2f);
     stage.addClosed(lathe({top.x, 0.0f, top.z},
-                          {{0.0f, 0.35f},
-                           {0.26f, 0.35f},
-                           {0.20f, 0.45f},
-                           {0.19f, top.y - 0.12f},
-                           {0.21f, top.y - 0.08f},
-                           {0.25f, top.y - 0.04f},
-                           {0.25f, top.y},
-                           {0.0f, top.y}},
+                          {vec2(0.0f, 0.35f), vec2(0.26f, 0.35f), vec2(0.20f, 0.45f),
+                           vec2(0.19f, top.y - 0.12f), vec2(0.21f, top.y - 0.08f),
+                           vec2(0.25f, top.y - 0.04f), vec2(0.25f, top.y), vec2(0.0f, top.y)},
                           16, 0.08f),
                     plaster, {.gloss = 0.02f, .coarse = 2.0f});
   }
   stage.addOccluder(kVase + glm::vec3(0, 0.24f, 0), 0.16f);
   stage.addOccluder(kVase + glm::vec3(0, 0.45f, 0), 0.07f);
   stage.addClosed(
-      lathe(kVase, {{0.0f, 0.0f},
-                    {0.085f, 0.0f},
-                    {0.09f, 0.02f},
-                    {0.06f, 0.05f},
-                    {0.12f, 0.15f},
-                    {0.175f, 0.27f},
-                    {0.15f, 0.38f},
-                    {0.065f, 0.46f},
-                    {0.06f, 0.52f},
-                    {0.10f, 0.56f},
-                    {0.0f, 0.56f}}),
+      lathe(kVase,
+            {vec2(0.0f, 0.0f), vec2(0.085f, 0.0f), vec2(0.09f, 0.02f), vec2(0.06f, 0.05f),
+             vec2(0.12f, 0.15f), vec2(0.175f, 0.27f), vec2(0.15f, 0.38f), vec2(0.065f, 0.46f),
+             vec2(0.06f, 0.52f), vec2(0.10f, 0.56f), vec2(0.0f, 0.56f)}),
       [](const SurfacePoint& at) {
         const float y = at.p_world.y - kVase.y, turn = at.uv.x;
         const float meander = checker({turn * 48.0f + std::floor(y * 80.0f) * 0.5f, y * 80.0f});

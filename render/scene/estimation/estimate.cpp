@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/quantile.h"
 #include "render/normalisation/weights.h"
 #include "render/scene/neighbours.h"
 #include "render/scene/principal_axes.h"
@@ -164,12 +165,6 @@ bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
   return pairs > 0 && static_cast<double>(opposed_pairs) < kMaxOpposed * static_cast<double>(pairs);
 }
 
-float medianOf(std::vector<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Square root of a sample's area, from the distance of the k-th neighbour; strays are kept small.
 std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint64_t>& sheet,
                             float lone_spacing_m) {
@@ -180,7 +175,8 @@ std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint6
     const auto samples = static_cast<float>(own >= 3 ? own : static_cast<int>(near.k));
     raw[i] = near.reach_m[i] * std::sqrt(glm::pi<float>() / samples);
   });
-  const float max_m = kMaxSpacings * medianOf(raw);
+  std::vector<float> sorted = raw;
+  const float max_m = kMaxSpacings * quantile(sorted, 0.5);
   std::vector<float> spacing(raw.size());
   parallelFor(raw.size(), [&](std::size_t i) {
     std::array<float, kNeighbours> around{};
@@ -340,15 +336,7 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
 SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings) {
   if (points.size() == 0) return {};
   const std::vector<std::uint32_t> order = mortonOrder(points.position_m);
-  reorder(points.position_m, order);
-  reorder(points.normal, order);
-  reorder(points.color, order);
-  reorder(points.radius_m, order);
-  reorder(points.opacity, order);
-  reorder(points.body, order);
-  reorder(points.surface, order);
-  reorder(points.area_m2, order);
-  reorder(points.objects.of.own(), order);
+  points.forEachArray([&](auto& values) { reorder(values, order); });
   return estimate(std::move(points), settings, Stacks::possible);
 }
 

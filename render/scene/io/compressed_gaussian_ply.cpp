@@ -124,10 +124,7 @@ Layout layoutOf(const ply::Header& header, const std::string& file) {
     throw refuse("expected the elements chunk, vertex and, with harmonics, sh");
   }
   if (layout.harmonics == nullptr) return layout;
-  const auto count = static_cast<int>(layout.harmonics->properties.size());
-  while (layout.degree <= kMaxHarmonicsDegree && 3 * harmonicsOf(layout.degree) != count) {
-    ++layout.degree;
-  }
+  layout.degree = degreeOf(static_cast<int>(layout.harmonics->properties.size()));
   if (layout.degree > kMaxHarmonicsDegree || layout.degree == 0 ||
       !isOfType(*layout.harmonics, Scalar::uint8) ||
       layout.harmonics->count != layout.vertex->count) {
@@ -147,9 +144,7 @@ float harmonicOf(unsigned char byte) {
 
 bool isCompressedGaussianPly(const ply::Header& header) {
   const Element* const vertex = ply::elementNamed(header, "vertex");
-  return vertex != nullptr &&
-         std::any_of(vertex->properties.begin(), vertex->properties.end(),
-                     [](const ply::Property& each) { return each.name == kPacked[0]; });
+  return vertex != nullptr && vertex->has(kPacked[0]);
 }
 
 GaussianFile readCompressedGaussianPly(const std::filesystem::path& path) {
@@ -168,14 +163,10 @@ GaussianFile readCompressedGaussianPly(const std::filesystem::path& path) {
   const std::size_t values = file.cloud.harmonicsPerGaussian();
   std::vector<float> harmonics(values);
   for (std::size_t i = 0; i < packed.size(); ++i) {
-    if (values > 0) {
-      // By channel in the file, by coefficient in the cloud.
-      const unsigned char* bytes = input.take(values);
-      for (std::size_t k = 0; k < values / 3; ++k) {
-        for (std::size_t channel = 0; channel < 3; ++channel) {
-          harmonics[3 * k + channel] = harmonicOf(bytes[channel * (values / 3) + k]);
-        }
-      }
+    // By channel in the file, by coefficient in the cloud.
+    const unsigned char* const bytes = input.take(values);
+    for (std::size_t k = 0; k < values; ++k) {
+      harmonics[k] = harmonicOf(bytes[k % 3 * (values / 3) + k / 3]);
     }
     collector.append(unpacked(packed[i], chunks[i / kChunk]), harmonics);
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <fstream>
-#include <functional>
 
 #include "base/input_error.h"
 #include "base/memory_budget.h"

@@ -229,17 +229,12 @@ void fill(std::vector<T>& values, ByteSpan bytes) {
   releasePages(bytes);
 }
 
-bool within(float value, float most) { return std::abs(value) <= most; }
-
 bool isSound(const GaussianCloud& cloud, std::size_t i, float max_opacity) {
   constexpr float kMost = std::numeric_limits<float>::max();
-  const glm::vec3 &p = cloud.position_m[i], &color = cloud.color[i];
   const Covariance3& v = cloud.covariance_m2[i];
-  for (const float value : {v.xx, v.xy, v.xz, v.yy, v.yz, v.zz, color.r, color.g, color.b}) {
-    if (!within(value, kMost)) return false;
-  }
-  return within(p.x, kFarthest_m) && within(p.y, kFarthest_m) && within(p.z, kFarthest_m) &&
-         v.xx >= 0.0f && v.yy >= 0.0f && v.zz >= 0.0f && cloud.opacity[i] >= 0.0f &&
+  return finite(cloud.position_m[i], kFarthest_m) && finite(cloud.color[i], kMost) &&
+         finite({v.xx, v.yy, v.zz}, kMost) && finite({v.xy, v.xz, v.yz}, kMost) && v.xx >= 0.0f &&
+         v.yy >= 0.0f && v.zz >= 0.0f && cloud.opacity[i] >= 0.0f &&
          cloud.opacity[i] <= max_opacity;
 }
 

@@ -118,6 +118,12 @@ void finishGaussians(GaussianFile& file, const std::string& path, const KnownGau
                                                  " Gaussians has finite values");
 }
 
+int degreeOf(int values) {
+  int degree = 0;
+  while (degree < 5 && 3 * harmonicsOf(degree) != values) ++degree;
+  return degree;
+}
+
 std::array<float, 4> quaternionOf(const std::array<float, 3>& three, std::size_t left_out) {
   std::array<float, 4> all{};
   float sum = 0.0f;

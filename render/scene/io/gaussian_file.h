@@ -69,6 +69,9 @@ struct KnownGaussians {
 /// @throws InputError if no Gaussian is left
 void finishGaussians(GaussianFile& file, const std::string& path, const KnownGaussians& known = {});
 
+/// The degree whose harmonics have so many values in all channels; 5 if none of 0 to 4 has.
+int degreeOf(int values);
+
 /// A quaternion of length 1 from three of its components. The one that is left out is positive.
 std::array<float, 4> quaternionOf(const std::array<float, 3>& three, std::size_t left_out);
 

@@ -79,11 +79,8 @@ class Columns {
 
   /// From all coefficients of a channel after another to all channels of a coefficient.
   void takeHarmonics(std::vector<float>& harmonics) const {
-    const std::size_t stored = rest_.size() / 3;
-    for (std::size_t k = 0; k < harmonics.size() / 3; ++k) {
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        harmonics[3 * k + channel] = items_.floatValue(rest_[channel * stored + k]);
-      }
+    for (std::size_t i = 0; i < harmonics.size(); ++i) {
+      harmonics[i] = items_.floatValue(rest_[i % 3 * (rest_.size() / 3) + i / 3]);
     }
   }
 
@@ -119,9 +116,7 @@ class Columns {
   void findHarmonics() {
     const auto isRest = [](const auto& each) { return each.name.starts_with("f_rest_"); };
     const auto count = static_cast<int>(std::ranges::count_if(items_.element().properties, isRest));
-    while (stored_degree_ <= kMaxStoredDegree && 3 * harmonicsOf(stored_degree_) != count) {
-      ++stored_degree_;
-    }
+    stored_degree_ = degreeOf(count);
     if (stored_degree_ > kMaxStoredDegree) {
       throw refusal("has ", count,
                     " properties f_rest: expected 0, 9, 24, 45 or 72, for degree 0 to 4");
@@ -179,11 +174,7 @@ bool isGaussianPly(const ply::Header& header) {
   if (vertex == nullptr) return false;
   // Points have none of these. Two of them are enough: the reader names a missing one.
   constexpr std::array<std::string_view, 3> kTelling = {"f_dc_0", "scale_0", "rot_0"};
-  const auto told = std::ranges::count_if(kTelling, [&](std::string_view name) {
-    return std::ranges::any_of(vertex->properties,
-                               [&](const ply::Property& each) { return each.name == name; });
-  });
-  return told >= 2;
+  return std::ranges::count_if(kTelling, [&](auto name) { return vertex->has(name); }) >= 2;
 }
 
 bool preservesLight(const ply::Header& header) {

@@ -38,10 +38,8 @@ TextureWrap wrapOf(std::size_t mode) {
                          : TextureWrap::repeat;
 }
 
-glm::vec3 unitColor(const glm::dvec3& color) {
-  return glm::vec3(color.x >= 0.0 ? std::min(color.x, 1.0) : 0.0,
-                   color.y >= 0.0 ? std::min(color.y, 1.0) : 0.0,
-                   color.z >= 0.0 ? std::min(color.z, 1.0) : 0.0);
+glm::vec3 unitColor(const double* rgb) {
+  return glm::vec3(glm::clamp(glm::make_vec3(rgb), 0.0, 1.0));
 }
 
 /// The materials of a glTF (section 3.9), with KHR_texture_transform, EXT_texture_webp,
@@ -145,11 +143,11 @@ class GltfMaterials {
     const Json& base = specular ? *specular : objectIn(material, "pbrMetallicRoughness");
     const auto factor =
         listIn<4>(base, specular ? "diffuseFactor" : "baseColorFactor", {1.0, 1.0, 1.0, 1.0});
-    color.factor = unitColor({factor[0], factor[1], factor[2]});
-    color.alpha = static_cast<float>(factor[3] >= 0.0 ? std::min(factor[3], 1.0) : 0.0);
+    color.factor = unitColor(factor.data());
+    color.alpha = static_cast<float>(std::clamp(factor[3], 0.0, 1.0));
     color.texture = &objectIn(base, specular ? "diffuseTexture" : "baseColorTexture");
     const auto emitted = listIn<3>(material, "emissiveFactor", {0.0, 0.0, 0.0});
-    color.emitted = unitColor({emitted[0], emitted[1], emitted[2]});
+    color.emitted = unitColor(emitted.data());
     color.glows = color.factor == glm::vec3(0.0f) && color.emitted != glm::vec3(0.0f);
     if (color.glows) color.texture = &objectIn(material, "emissiveTexture");
     return color;
@@ -232,8 +230,7 @@ class GltfMeshReader {
       const std::vector<GltfPlace> places = placesOf(gltf_);
       refuseTooLarge(places);
       for (const GltfPlace& place : places) addPlace(place);
-      builder_.remarkCount(missing_, " triangle names a vertex that is not there: it is left out",
-                           " triangles name vertices that are not there: left out");
+      builder_.remarkCount(missing_, "triangle", "with a vertex that is not there: left out");
       builder_.remarkLeftOut(points_are_kept ? 0 : points_, lines_);
       return builder_.finish({.kind = SceneKind::gltf, .unit_m = 1.0},
                              [&](std::uint32_t number) { return materials_.read(number); });

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/harmonics.h"
@@ -31,7 +30,7 @@ glm::vec3 vectorAt(const std::vector<float>& values, std::size_t i) {
 }
 
 /// Linear light as a display value, and how much that changes with it (IEC 61966-2-1).
-std::pair<float, float> displayOfLinear(float x) {
+std::pair<float, float> displayAndSlope(float x) {
   if (x <= 0.0031308f) return {12.92f * x, 12.92f};
   const float power = std::pow(std::min(x, 1.0f), 1.0f / 2.4f);
   return {1.055f * power - 0.055f, 1.055f / 2.4f * power / std::min(x, 1.0f)};
@@ -216,7 +215,7 @@ class GltfPointReader {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
         float& color = cloud.color[i][static_cast<int>(c)];
-        const auto [display, slope] = displayOfLinear(color);
+        const auto [display, slope] = displayAndSlope(color);
         color = display;
         for (std::size_t k = c; k < each; k += 3) {
           const float steps = slope * static_cast<float>(cloud.harmonics[i * each + k]);

@@ -63,15 +63,10 @@ class Walk {
     const Json* scene = gltf_.entry("scenes", gltf_.json(), "scene");
     if (scene == nullptr) scene = gltf_.entry("scenes", 0);
     if (scene != nullptr) return numbersIn(*scene, "nodes");
-    std::vector<std::uint8_t> is_child(count, 0);
-    for (std::size_t n = 0; n < count; ++n) {
-      for (const std::size_t child : numbersIn(gltf_.json()["nodes"][n], "children")) {
-        if (child < count) is_child[child] = 1;
-      }
-    }
+    const GltfNodes nodes(gltf_);
     std::vector<std::size_t> all;
     for (std::size_t n = 0; n < count; ++n) {
-      if (is_child[n] == 0) all.push_back(n);
+      if (nodes.isRoot(n)) all.push_back(n);
     }
     return all;
   }

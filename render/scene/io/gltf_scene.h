@@ -33,6 +33,7 @@ class GltfNodes {
   explicit GltfNodes(const GltfDocument& gltf);
 
   std::size_t size() const { return parents_.size(); }
+  bool isRoot(std::size_t node) const { return parents_[node] == kNoEntry; }
   glm::dmat4 sceneFrom(std::size_t node) const;
 
  private:

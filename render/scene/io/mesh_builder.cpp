@@ -224,8 +224,8 @@ void MeshBuilder::addPolygon(std::span<const MeshCorner> corners, std::uint32_t 
 }
 
 void MeshBuilder::remarkCount(std::uint64_t count, const std::string& one,
-                              const std::string& several) {
-  if (count > 0) remark(thousands(static_cast<double>(count)) + (count == 1 ? one : several));
+                              const std::string& says) {
+  if (count > 0) remark(counted(count, one) + " " + says);
 }
 
 void MeshBuilder::remarkLeftOut(std::uint64_t points, std::uint64_t lines) {
@@ -233,10 +233,8 @@ void MeshBuilder::remarkLeftOut(std::uint64_t points, std::uint64_t lines) {
     throw InputError(file_, "holds lines, and foci shows triangles, points and Gaussians");
   }
   if (mesh_.size() == 0) return;
-  remarkCount(points, " point beside the triangles is left out",
-              " points beside the triangles are left out");
-  remarkCount(lines, " line beside the triangles is left out",
-              " lines beside the triangles are left out");
+  remarkCount(points, "point", "beside the triangles left out");
+  remarkCount(lines, "line", "beside the triangles left out");
 }
 
 bool MeshBuilder::takeLight(bool is_black, const glm::vec3& emitted, MeshMaterial& material) {
@@ -296,14 +294,11 @@ MeshFile MeshBuilder::finish(SceneFacts facts,
   if (!mesh_.alpha.empty()) mesh_.alpha.resize(mesh_.corners_m.size(), 1.0f);
   readMaterials(facts, read);
   for (const std::string& text : textures_.remarks()) remark(text);
-  remarkCount(unusable_,
-              " triangle has a corner that is not finite, or farther than 1e9 units from the "
-              "origin: left out",
-              " triangles have a corner that is not finite, or farther than 1e9 units from the "
-              "origin: left out");
+  remarkCount(unusable_, "triangle",
+              "with a corner that is not finite, or farther than 1e9 units from the origin: left "
+              "out");
   takeObjects(facts);
-  remarkCount(dropUseless(mesh_), " triangle repeats another one: it is left out",
-              " triangles repeat others: they are left out");
+  remarkCount(dropUseless(mesh_), "triangle", "equal to another one: left out");
   orientOutwards(mesh_);
   facts.triangles = mesh_.size();
   facts.has_normals = has_normals_;

@@ -59,8 +59,8 @@ class MeshBuilder {
 
   void remark(std::string text) { mesh_.remarks.push_back(std::move(text)); }
   std::vector<std::string>& remarks() { return mesh_.remarks; }
-  /// "3 triangles" and what they do, or "1 triangle" and what it does; nothing for none.
-  void remarkCount(std::uint64_t count, const std::string& one, const std::string& several);
+  /// "3 triangles", or "1 triangle", and what is said of them; nothing for none.
+  void remarkCount(std::uint64_t count, const std::string& one, const std::string& says);
 
   /// Names what a mesh holds beside its triangles.
   void remarkLeftOut(std::uint64_t points, std::uint64_t lines);

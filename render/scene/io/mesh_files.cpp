@@ -8,7 +8,6 @@
 #include <system_error>
 
 #include "base/file.h"
-#include "base/image_codec.h"
 #include "base/input_error.h"
 #include "base/media.h"
 #include "base/quiet_stderr.h"

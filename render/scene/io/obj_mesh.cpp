@@ -179,11 +179,9 @@ class ObjMesh {
     builder_.remarks() = std::move(obj_.remarks);
     readLibraries();
     build();
-    builder_.remarkCount(obj_.two_corners,
-                         " face has two corners or fewer, and so no area: left out",
-                         " faces have two corners or fewer, and so no area: left out");
-    builder_.remarkCount(unplaced_, " corner names texture coordinates that are not there",
-                         " corners name texture coordinates that are not there");
+    builder_.remarkCount(obj_.two_corners, "face",
+                         "with two corners or fewer, and so no area: left out");
+    builder_.remarkCount(unplaced_, "corner", "with texture coordinates that are not there");
     builder_.remarkLeftOut(obj_.points, obj_.lines);
     return builder_.finish({.kind = SceneKind::obj},
                            [&](std::uint32_t number) { return materialOf(number); });

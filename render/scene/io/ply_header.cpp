@@ -1,6 +1,5 @@
 #include "render/scene/io/ply_header.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>

@@ -2,6 +2,7 @@
 // scenes, which all read through `Input`.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -27,6 +28,10 @@ struct Element {
   std::string name;
   std::uint64_t count = 0;
   std::vector<Property> properties;
+
+  bool has(std::string_view property) const {
+    return std::ranges::find(properties, property, &Property::name) != properties.end();
+  }
 };
 
 struct Header {

@@ -182,8 +182,7 @@ class PlyMesh {
   }
 
   MeshFile finish() {
-    builder_.remarkCount(untextured_, " face names a texture that the file does not have",
-                         " faces name textures that the file does not have");
+    builder_.remarkCount(untextured_, "face", "with a texture that the file does not have");
     const bool blend = builder_.useAlpha();
     const auto plain = static_cast<std::uint32_t>(texture_names_.size());
     return builder_.finish({.kind = SceneKind::ply_mesh}, [&](std::uint32_t number) {

@@ -64,15 +64,6 @@ void ScanPositions::finish(const std::string& file) const {
   if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));
 }
 
-std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places) {
-  glm::vec3 low(places[0]), high(low);
-  for (const glm::vec3& p : places) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  return {low, high};
-}
-
 bool losesDetail(std::span<const glm::vec3> position) {
   constexpr float kStepsShown = 1 << 13;  // across the scene; a screen has fewer columns
   const auto [low, high] = boxOf(position);

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "render/scene/point_cloud.h"
@@ -56,9 +55,6 @@ class ScanPositions {
   PointCloud& points_;
   std::optional<glm::dvec3> origin_;
 };
-
-/// The least and the greatest coordinates of places, not empty.
-std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places);
 
 /// Whether places, not empty, are so far from the origin that the steps between floats there are
 /// wider than what a screen shows of them.

@@ -218,6 +218,7 @@ struct Mark {
   std::size_t at;
   std::string_view bytes;  ///< in lower case
   std::string_view what;
+  std::string_view how{};  ///< what else to do; empty: `what` says it
 };
 using namespace std::string_view_literals;
 constexpr std::string_view kPicture =
@@ -234,10 +235,7 @@ constexpr std::array kMarks = {
     Mark{0, "7z\xbc\xaf", "is a 7z archive: unpack it, and give the scene in it"},
     Mark{0, "rar!", "is a RAR archive: unpack it, and give the scene in it"},
     Mark{0, "bzh", "is packed by bzip2: unpack it with bunzip2"},
-    Mark{0,
-         "\xfd"
-         "7zxz",
-         "is packed by xz: unpack it with unxz"},
+    Mark{0, "\xfd\x37zxz", "is packed by xz: unpack it with unxz"},
     Mark{0, "\x28\xb5\x2f\xfd", "is packed by Zstandard: unpack it with unzstd"},
     Mark{257, "ustar", "is a tar archive: unpack it, and give the scene in it"},
     Mark{0, "\x89png", kPicture},
@@ -248,29 +246,20 @@ constexpr std::array kMarks = {
     Mark{8, "webp", kPicture},
     Mark{4, "ftyp", "is a video, or a picture: foci renders scenes of points, meshes or Gaussians"},
     Mark{0, "%pdf", "is a PDF"},
-    Mark{0, "\x89hdf", "is an HDF5 file, which foci does not read: save points as PLY or XYZ"},
+    Mark{0, "\x89hdf", "is an HDF5 file", "save points as PLY or XYZ"},
     Mark{0, "\x93numpy", "is a NumPy array: numpy.savetxt writes points as text"},
-    Mark{0, "astm-e57",
-         "is an E57 scan, which foci does not read: CloudCompare, or pdal translate IN OUT.ply, "
-         "makes a PLY of it"},
-    Mark{0, "pxr-usdc", "is a USD scene, which foci does not read: Blender can export it as glTF"},
-    Mark{0, "#usda", "is a USD scene, which foci does not read: Blender can export it as glTF"},
-    Mark{0, "blender",
-         "is a Blender scene, which foci does not read: Blender can export it as glTF"},
-    Mark{0, "# vtk datafile",
-         "is a VTK file, which foci does not read: ParaView can export it as PLY"},
-    Mark{0, "#vrml", "is a VRML scene, which foci does not read: Blender can export it as glTF"},
-    Mark{0, "<?xml",
-         "is an XML file, which foci does not read: if it is a scene, Blender may export it as "
-         "glTF"},
+    Mark{0, "astm-e57", "is an E57 scan", kPdal},
+    Mark{0, "pxr-usdc", "is a USD scene", kBlender},
+    Mark{0, "#usda", "is a USD scene", kBlender},
+    Mark{0, "blender", "is a Blender scene", kBlender},
+    Mark{0, "# vtk datafile", "is a VTK file", kParaview},
+    Mark{0, "#vrml", "is a VRML scene", kBlender},
+    Mark{0, "<?xml", "is an XML file", "if it is a scene, Blender may export it as glTF"},
     Mark{0, "# image list with two lines", kColmapList},
     Mark{0, "# camera list with one line", kColmapList},
     Mark{0, "visionre",
          "is a VRS recording: give foci the points beside it (semidense_points.csv.gz)"},
-    Mark{0,
-         "\x7f"
-         "elf",
-         "is a program"},
+    Mark{0, "\x7f\x65lf", "is a program"},
 };
 
 std::string zipWords(const FileStart& start) {
@@ -331,7 +320,8 @@ std::optional<std::string> wordsOfContent(const FileStart& start) {
   }
   for (const Mark& mark : kMarks) {
     if (text.size() < mark.at || !text.substr(mark.at).starts_with(mark.bytes)) continue;
-    return (start.gzip ? "packed by gzip, " : "") + std::string(mark.what);
+    return (start.gzip ? "packed by gzip, " : "") + std::string(mark.what) +
+           (mark.how.empty() ? "" : ", which foci does not read: " + std::string(mark.how));
   }
   return std::nullopt;
 }

@@ -41,21 +41,13 @@ bool holdsWords(const std::filesystem::path& path, std::string_view member, std:
   return is_archive ? holds(member) : std::ranges::all_of(words, holds);
 }
 
-void append(GaussianFile& to, GaussianFile&& part) {
-  const auto move = [](auto& into, auto& from) {
-    into.insert(into.end(), from.begin(), from.end());
-    from = {};
-  };
+void append(GaussianFile& to, const GaussianFile& part) {
   if (to.cloud.empty()) {
     to.cloud.degree = part.cloud.degree;
     to.cloud.preserves_light = part.cloud.preserves_light;
     to.remarks = part.remarks;
   }
-  move(to.cloud.position_m, part.cloud.position_m);
-  move(to.cloud.covariance_m2, part.cloud.covariance_m2);
-  move(to.cloud.opacity, part.cloud.opacity);
-  move(to.cloud.color, part.cloud.color);
-  move(to.cloud.harmonics, part.cloud.harmonics);
+  append(to.cloud, part.cloud);
   to.dropped += part.dropped;
 }
 
@@ -264,7 +256,7 @@ GaussianFile StreamedGaussians::read(const Fineness& fineness) const {
   }
   GaussianFile file{.format = "streamed SOG"};
   for (Part& part : parts) {
-    append(file, std::move(part.file));
+    append(file, part.file);
     part.file = {};
   }
   finishGaussians(file, content.source.name());

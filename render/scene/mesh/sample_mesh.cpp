@@ -8,6 +8,7 @@
 
 #include "base/input_error.h"
 #include "base/parallel.h"
+#include "base/quantile.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -183,28 +184,6 @@ void sampleLevel(const TriangleMesh& mesh, const Level& level, Samples& samples)
   samples.area_m2.resize(samples.points.size(), static_cast<float>(area_m2));
 }
 
-/// Keeps the values whose mark is set; nothing to do if there are none.
-template <class T>
-void keepMarked(std::vector<T>& values, const std::vector<std::uint8_t>& keep) {
-  if (values.empty()) return;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    if (keep[i] != 0) values[kept++] = values[i];
-  }
-  values.resize(kept);
-}
-
-void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
-  keepMarked(cloud.position_m, keep);
-  keepMarked(cloud.normal, keep);
-  keepMarked(cloud.color, keep);
-  keepMarked(cloud.opacity, keep);
-  keepMarked(cloud.area_m2, keep);
-  keepMarked(cloud.body, keep);
-  keepMarked(cloud.surface, keep);
-  keepMarked(cloud.objects.of.own(), keep);
-}
-
 /// Bodies that a texture cuts a hole in are open.
 void openCutBodies(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
   if (cloud.body.empty()) return;
@@ -228,18 +207,13 @@ std::size_t defaultPoints(const TriangleMesh& mesh) {
     heights_m[i] = size.least_height_m;
     texels += texelsOf(mesh, i);
   }
-  const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(mesh.size() / 2);
-  std::nth_element(heights_m.begin(), middle, heights_m.end());
+  const double height_m = quantile(heights_m, 0.5);
   // Equilateral triangles of this height, two for each vertex: their edges are as far apart as the
   // vertices.
-  const double vertex_m2 = 2.0 / std::sqrt(3.0) * *middle * *middle;
+  const double vertex_m2 = 2.0 / std::sqrt(3.0) * height_m * height_m;
   const double detail = std::max(area_m2 / std::max(vertex_m2, 1e-300), texels);
-  glm::dvec3 low(mesh.corners_m[0]), high = low;
-  for (const glm::vec3& corner : mesh.corners_m) {
-    low = glm::min(low, glm::dvec3(corner));
-    high = glm::max(high, glm::dvec3(corner));
-  }
-  const double pixel_m = glm::length(high - low) / kScreenRows;
+  const auto [low, high] = boxOf(mesh.corners_m);
+  const double pixel_m = glm::length(glm::dvec3(high) - glm::dvec3(low)) / kScreenRows;
   const double on_screen = std::min(detail, area_m2 / (pixel_m * pixel_m));
   const double needed = std::max(on_screen, 0.5 * static_cast<double>(mesh.size()));
   return static_cast<std::size_t>(
@@ -297,7 +271,7 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
     if (!mesh.objects.empty()) cloud.objects.of[i] = mesh.objects.of[point.triangle];
   });
   openCutBodies(cloud, keep);
-  keepMarked(cloud, keep);
+  cloud.forEachArray([&](auto& values) { keepMarked(values, keep); });
   if (cloud.size() == 0) throw InputError(name.string(), "has no surface that is not cut out");
   return cloud;
 }

@@ -108,7 +108,7 @@ std::size_t dropUseless(TriangleMesh& mesh) {
     keys[i] = {turnedCorners(mesh, triangle), mesh.material[i], triangle};
   });
   parallelSort(keys.begin(), keys.end(), order);
-  std::vector<std::uint8_t> useless(mesh.size(), 0);
+  std::vector<std::uint8_t> useful(mesh.size());
   std::size_t repeats = 0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const auto& [a, b, c] = keys[i].corners;
@@ -116,25 +116,15 @@ std::size_t dropUseless(TriangleMesh& mesh) {
     const bool flat = glm::cross(glm::dvec3(b) - first, glm::dvec3(c) - first) == glm::dvec3(0.0);
     const bool repeat =
         i > 0 && keys[i].material == keys[i - 1].material && keys[i].corners == keys[i - 1].corners;
-    useless[keys[i].triangle] = flat || repeat;
+    useful[keys[i].triangle] = !flat && !repeat;
     repeats += repeat && !flat;
   }
-  const auto keep = [&](auto& values, std::size_t each) {
-    if (values.empty()) return;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < useless.size(); ++i) {
-      if (useless[i] != 0) continue;
-      for (std::size_t k = 0; k < each; ++k) values[each * kept + k] = values[each * i + k];
-      ++kept;
-    }
-    values.resize(each * kept);
-  };
-  keep(mesh.corners_m, 3);
-  keep(mesh.uv, 3);
-  keep(mesh.color, 3);
-  keep(mesh.alpha, 3);
-  keep(mesh.objects.of, 1);
-  keep(mesh.material, 1);
+  keepMarked(mesh.corners_m, useful, 3);
+  keepMarked(mesh.uv, useful, 3);
+  keepMarked(mesh.color, useful, 3);
+  keepMarked(mesh.alpha, useful, 3);
+  keepMarked(mesh.objects.of.own(), useful);
+  keepMarked(mesh.material, useful);
   return repeats;
 }
 

@@ -89,6 +89,18 @@ struct TriangleMesh {
   std::size_t size() const { return corners_m.size() / 3; }
 };
 
+/// Keeps the values whose mark is set; a mark is for `each` values. An empty vector stays empty.
+template <typename T>
+void keepMarked(std::vector<T>& values, const std::vector<std::uint8_t>& marks,
+                std::size_t each = 1) {
+  if (values.empty()) return;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (marks[i / each] != 0) values[kept++] = values[i];
+  }
+  values.resize(kept);
+}
+
 /// Whether `a` comes first by x, then y, then z.
 bool precedes(const glm::vec3& a, const glm::vec3& b);
 

@@ -192,7 +192,7 @@ TEST(GltfMesh, PointsAndLinesBesideTrianglesAreNamed) {
     const MeshFile file =
         readMesh(folder.write("a.gltf", primitive(json + mode, kSquareLists, 48)));
     ASSERT_EQ(file.mesh.remarks.size(), 1u);
-    EXPECT_EQ(file.mesh.remarks[0], std::string(what) + " beside the triangles are left out");
+    EXPECT_EQ(file.mesh.remarks[0], std::string(what) + " beside the triangles left out");
   }
 }
 

@@ -208,7 +208,7 @@ TEST_F(MeshDamage, FacesOfAPlyChooseTheirTexture) {
   ASSERT_EQ(file.mesh.size(), 3u);
   EXPECT_EQ(colorAt(file.mesh, {0, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(1, 0, 0));
   EXPECT_EQ(colorAt(file.mesh, {1, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(0, 0, 1));
-  EXPECT_TRUE(has(said("a.ply", text + "7\n"), "1 face names a texture that the file does not"));
+  EXPECT_TRUE(has(said("a.ply", text + "7\n"), "1 face with a texture that the file does not"));
   EXPECT_EQ(said("a.ply", text + "-1\n"), "");
 }
 
@@ -254,13 +254,13 @@ TEST_F(MeshDamage, ObjFacesMayHaveCommentsOrTwoCorners) {
   EXPECT_EQ(said("a.obj", start + "f 1 2 3 # a\nf 1 \\\n3 4\n"), "");
   EXPECT_EQ(readMesh(folder_.write("a.obj", start + "f 1 2 3 # a\nf 1 \\\n3 4")).mesh.size(), 2u);
   const std::string two = start + "f 1 2 3\nf 2 4\nf 1 3 4\n";
-  EXPECT_TRUE(has(said("b.obj", two), "1 face has two corners"));
+  EXPECT_TRUE(has(said("b.obj", two), "1 face with two corners"));
   EXPECT_EQ(readMesh(folder_.write("b.obj", two)).mesh.size(), 2u);
 }
 
 TEST_F(MeshDamage, CornersThatAreNotFiniteAreCounted) {
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 1 3 4\n"),
-                  "1 triangle has a corner that is not finite"));
+                  "1 triangle with a corner that is not finite"));
   EXPECT_EQ(readMesh(folder_.write("c.obj", "v 0,5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
                 .mesh.corners_m.at(0)
                 .x,
@@ -284,7 +284,7 @@ std::string gltf(int corner, const std::string& more = "") {
 
 TEST_F(MeshDamage, GltfTrianglesWithoutAVertexAreCounted) {
   EXPECT_EQ(said("a.gltf", gltf(3)), "");
-  EXPECT_TRUE(has(said("b.gltf", gltf(77)), "1 triangle names a vertex that is not there"));
+  EXPECT_TRUE(has(said("b.gltf", gltf(77)), "1 triangle with a vertex that is not there"));
 }
 
 TEST_F(MeshDamage, GltfHasAByteOrderMarkOrAWrongNameOrIsCutOff) {

@@ -199,7 +199,7 @@ TEST_F(MeshMaterials, RepeatsAndFlatTrianglesAreLeftOut) {
   const std::string repeated = kTriangle + "f 2/2 3/3 1/1\nf 3/3 2/2 1/1\nv 9 9 9\nf 4/1 4/1 4/1\n";
   const MeshFile file = readMesh(write("m.obj", repeated));
   EXPECT_EQ(file.mesh.size(), 2u);  // the other side is no repeat
-  EXPECT_TRUE(remarks(file, "1 triangle repeats another one"));
+  EXPECT_TRUE(remarks(file, "1 triangle equal to another one"));
   for (const glm::vec3& corner : file.mesh.corners_m) EXPECT_LE(corner.x, 1.0f);
 }
 
@@ -305,7 +305,7 @@ TEST_F(MeshMaterials, APartWithoutColoursBesideOneWithColoursIsPlain) {
 TEST_F(MeshMaterials, PointsAndLinesBesideAMeshAreNamed) {
   const MeshFile file = readMesh(write("m.obj", kTriangle + "p 1 2\nl 1 2\nl 2 3\n"));
   EXPECT_TRUE(remarks(file, "1 point beside") || remarks(file, "2 points beside"));
-  EXPECT_TRUE(remarks(file, "2 lines beside the triangles are left out"));
+  EXPECT_TRUE(remarks(file, "2 lines beside the triangles left out"));
 }
 
 TEST_F(MeshMaterials, NumbersOfAnObjThatAreNoneAreNamedByLine) {
