@@ -1,5 +1,4 @@
 // `foci`: the command line (CLI11), and errors as one line with an exit code.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -32,10 +31,6 @@ namespace {
 
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
-std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
 /// Options by their long names, "--out".
 std::vector<std::string> optionsOf(const CLI::App& app) {
   std::vector<std::string> names;
@@ -48,7 +43,7 @@ std::vector<std::string> optionsOf(const CLI::App& app) {
 std::string unknownCommand(const CLI::App& app, const char* word) {
   std::vector<std::string> names;
   std::string all;
-  for (const CLI::App* command : commandsOf(app)) {
+  for (const CLI::App* command : commandsByName(app)) {
     names.push_back(command->get_name());
     all += (all.empty() ? "" : ", ") + names.back();
   }
@@ -63,7 +58,7 @@ std::optional<std::string> unknownOption(const CLI::App& command, int i, int arg
   for (; i < argc; ++i) {
     const std::string word = argv[i], name = word.substr(0, word.find('='));
     if (name == "--" || !name.starts_with("--")) continue;
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    if (std::ranges::find(known, name) != known.end()) continue;
     const auto near = nearWord(name, known);
     return "unknown option " + shown(name) + (near ? ": did you mean " + *near + "?" : "");
   }
@@ -88,13 +83,12 @@ std::string usageError(const CLI::App& app, int argc, char** argv, std::string m
   std::string path = "foci";
   const auto withHelp = [&](const std::string& error) { return error + " (" + path + " --help)"; };
   int i = 1;
-  for (; i < argc && !commandsOf(*at).empty(); ++i) {
+  for (; i < argc && !commandsByName(*at).empty(); ++i) {
     const std::string_view word = argv[i];
     if (word.starts_with('-')) break;
-    const auto commands = commandsOf(*at);
-    const auto found = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* one) {
-      return one->check_name(std::string(word));
-    });
+    const auto commands = commandsByName(*at);
+    const auto found = std::ranges::find_if(
+        commands, [&](const CLI::App* one) { return one->check_name(std::string(word)); });
     if (found == commands.end()) return withHelp(unknownCommand(*at, argv[i]));
     at = *found;
     path += " " + at->get_name();

@@ -3,9 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
-#include <filesystem>
 #include <future>
-#include <optional>
 #include <vector>
 
 #include "app/platform/warnings.h"
@@ -14,7 +12,6 @@
 #include "app/study/live_change.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
-#include "render/scene/io/open_scene.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -67,8 +64,7 @@ class InputHashes {
   explicit InputHashes(const Study& study, std::vector<InputFile> known = {});
   /// Stops the work.
   ~InputHashes();
-  InputHashes(const InputHashes&) = delete;
-  InputHashes& operator=(const InputHashes&) = delete;
+  InputHashes& operator=(InputHashes&&) = delete;  // nor copied
 
   /// Waits for them. Call it once.
   /// @throws InputError, std::runtime_error after a signal
