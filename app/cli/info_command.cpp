@@ -11,6 +11,7 @@
 #include "app/study/inputs.h"
 #include "app/study/scene_study.h"
 #include "app/study/scene_text.h"
+#include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"
 

@@ -31,6 +31,10 @@ namespace {
 
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
+std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
 /// Options by their long names, "--out".
 std::vector<std::string> optionsOf(const CLI::App& app) {
   std::vector<std::string> names;
@@ -43,7 +47,7 @@ std::vector<std::string> optionsOf(const CLI::App& app) {
 std::string unknownCommand(const CLI::App& app, const char* word) {
   std::vector<std::string> names;
   std::string all;
-  for (const CLI::App* command : commandsByName(app)) {
+  for (const CLI::App* command : commandsOf(app)) {
     names.push_back(command->get_name());
     all += (all.empty() ? "" : ", ") + names.back();
   }
@@ -83,10 +87,10 @@ std::string usageError(const CLI::App& app, int argc, char** argv, std::string m
   std::string path = "foci";
   const auto withHelp = [&](const std::string& error) { return error + " (" + path + " --help)"; };
   int i = 1;
-  for (; i < argc && !commandsByName(*at).empty(); ++i) {
+  for (; i < argc && !commandsOf(*at).empty(); ++i) {
     const std::string_view word = argv[i];
     if (word.starts_with('-')) break;
-    const auto commands = commandsByName(*at);
+    const auto commands = commandsOf(*at);
     const auto found = std::ranges::find_if(
         commands, [&](const CLI::App* one) { return one->check_name(std::string(word)); });
     if (found == commands.end()) return withHelp(unknownCommand(*at, argv[i]));

@@ -13,6 +13,7 @@
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "app/study/scene_study.h"
+#include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"
 

@@ -8,6 +8,7 @@
 
 #include "app/graphics/figure.h"
 #include "app/platform/output_guard.h"
+#include "app/replay/finished_run.h"
 
 namespace foci {
 

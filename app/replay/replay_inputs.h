@@ -12,6 +12,7 @@
 #include "app/study/live_change.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
+#include "render/scene/io/open_scene.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
