@@ -46,8 +46,7 @@ class PngReader {
             [](png_structp png, png_const_charp) { png_longjmp(png, 1); }, keepSilent)),
         info_(png_create_info_struct(png_)) {}
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
-  PngReader(const PngReader&) = delete;
-  PngReader& operator=(const PngReader&) = delete;
+  PngReader& operator=(PngReader&&) = delete;  // nor copied
 
   bool read(std::uint64_t max_pixels) {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;

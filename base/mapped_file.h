@@ -13,8 +13,7 @@ class MappedFile {
   /// @throws InputError if it is no regular file or cannot be read
   explicit MappedFile(const std::filesystem::path& path);
   ~MappedFile();
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
+  MappedFile& operator=(MappedFile&&) = delete;  // nor copied
 
   std::span<const unsigned char> bytes() const {
     return {static_cast<const unsigned char*>(at_), size_};

@@ -10,8 +10,7 @@ class QuietStderr {
  public:
   QuietStderr();
   ~QuietStderr();
-  QuietStderr(const QuietStderr&) = delete;
-  QuietStderr& operator=(const QuietStderr&) = delete;
+  QuietStderr& operator=(QuietStderr&&) = delete;  // nor copied
 };
 
 }  // namespace foci

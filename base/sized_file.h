@@ -12,8 +12,7 @@ class SizedFile {
   /// Replaces what is there. @throws std::runtime_error
   SizedFile(const std::filesystem::path& path, std::uint64_t bytes);
   ~SizedFile();
-  SizedFile(const SizedFile&) = delete;
-  SizedFile& operator=(const SizedFile&) = delete;
+  SizedFile& operator=(SizedFile&&) = delete;  // nor copied
 
   /// @throws std::runtime_error
   void put(std::uint64_t at, std::span<const unsigned char> bytes);

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <optional>
 
 namespace foci {
 
@@ -103,12 +100,6 @@ bool isControl(char32_t c) {
          (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069) || c == 0xfeff;
 }
 
-std::string escapeOf(char32_t c, const char* pattern) {
-  std::array<char, 12> escape;
-  std::snprintf(escape.data(), escape.size(), pattern, static_cast<unsigned>(c));
-  return escape.data();
-}
-
 }  // namespace
 
 std::size_t utf8Length(std::string_view text) {
@@ -123,14 +114,14 @@ std::string visible(std::string_view text) {
     const auto point = codePointAt(text);
     const std::size_t bytes = point ? point->bytes : 1;
     if (!point) {
-      line += escapeOf(static_cast<unsigned char>(text[0]), "\\x%02x");
+      line += printed("\\x%02x", static_cast<unsigned char>(text[0]));
     } else if (!isControl(point->value)) {
       line += text.substr(0, bytes);
     } else if (const auto at = std::string_view("\n\r\t").find(text[0]); at != text.npos) {
       line += '\\';
       line += "nrt"[at];
     } else {
-      line += escapeOf(point->value, point->value < 0x100 ? "\\x%02x" : "\\u%04x");
+      line += printed(point->value < 0x100 ? "\\x%02x" : "\\u%04x", point->value);
     }
     text.remove_prefix(bytes);
   }
@@ -142,9 +133,7 @@ std::string quotedText(std::string_view text) {
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      std::array<char, 8> escape;
-      std::snprintf(escape.data(), escape.size(), "\\u%04x", c);
-      quoted += escape.data();
+      quoted += printed("\\u%04x", static_cast<unsigned>(c));
     } else {
       quoted += c;
     }

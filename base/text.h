@@ -5,6 +5,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,14 @@ std::string concat(const Parts&... parts) {
   };
   (add(parts), ...);
   return all;
+}
+
+/// What std::printf prints: at most 255 characters.
+template <typename... Values>
+std::string printed(const char* pattern, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
 }
 
 /// `value` with `digits` digits after the decimal point. Never "-0".

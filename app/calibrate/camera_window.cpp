@@ -10,6 +10,7 @@
 
 #include "app/calibrate/windows.h"
 #include "app/window/window.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -91,14 +92,12 @@ class CameraWindow {
   void showText() const {
     const auto count = static_cast<double>(std::count(covered_.begin(), covered_.end(), true));
     const double share = count / static_cast<double>(covered_.size());
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "%zu views, %.0f %% of the image covered. Tilt the board, go to the "
-                  "corners, near and far.",
-                  views_.size(), 100.0 * share);
+    const std::string text = printed(
+        "%zu views, %.0f %% of the image covered. Tilt the board, go to the corners, near and far.",
+        views_.size(), 100.0 * share);
     const bool enough = share >= kEnoughCoverage && views_.size() >= kEnoughViews;
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
-    draw->AddText({20.0f, 14.0f}, kWhite, text);
+    draw->AddText({20.0f, 14.0f}, kWhite, text.c_str());
     draw->AddText({20.0f, 48.0f}, enough ? kGreen : kWhite,
                   running_ ? "Space: calibrate.   Escape: leave."
                            : "The images have ended.   Space: calibrate.   Escape: leave.");

@@ -92,7 +92,7 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
   const WebcamRecording recording = readWebcam(place, tracker);
   const auto reference = tracker.reference();
   if (!reference) throw InputError(nameOf(place), "no frame shows a face");
-  for (const std::string& warning : recording.warnings) warnings.add(nameOf(place), warning);
+  warnings.addAll(nameOf(place), recording.warnings);
   calibration.reference = *reference;
   calibration.screen_m = screen.size_m;
   return calibrateWebcam(pairFrames(recording.frames, targets),

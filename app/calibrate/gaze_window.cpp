@@ -10,6 +10,7 @@
 #include "app/calibrate/windows.h"
 #include "app/window/window.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "calibration/gaze_map/target_session.h"
 
 namespace foci {
@@ -213,21 +214,19 @@ void GazeWindow::drawResult() {
     draw->AddCircleFilled(
         at(seen), static_cast<float>(px_per_deg * t.measures.sd_deg.value_or(0.0)), kRedVeil, 48);
     draw->AddCircleFilled(at(seen), 5.0f, kRed);
-    char text[60];
-    std::snprintf(text, sizeof text, "%.2f deg", t.measures.accuracy_deg.value_or(0.0));
-    draw->AddText(at(target + glm::dvec2(20.0, -30.0)), kBlack, text);
+    draw->AddText(at(target + glm::dvec2(20.0, -30.0)), kBlack,
+                  printed("%.2f deg", t.measures.accuracy_deg.value_or(0.0)).c_str());
   }
   const GazeMeasures& all = report.accuracy.overall;
-  char text[200];
-  std::snprintf(text, sizeof text, "%s: accuracy %.2f deg, worst target %.2f deg",
-                std::string(nameOf(gradeOf(report.accuracy))).c_str(),
-                all.accuracy_deg.value_or(0.0), report.accuracy.worst_deg.value_or(0.0));
-  centredText(window_, 0.04, kBlack, text);
-  std::snprintf(text, sizeof text, "precision %.2f deg RMS-S2S, %.2f deg SD; model %s",
-                all.rms_s2s_deg.value_or(0.0), all.sd_deg.value_or(0.0),
-                report.model.empty() ? std::string(nameOf(report.fit.map.model)).c_str()
-                                     : report.model.c_str());
-  centredText(window_, 0.09, kBlack, text);
+  centredText(window_, 0.04, kBlack,
+              printed("%s: accuracy %.2f deg, worst target %.2f deg",
+                      std::string(nameOf(gradeOf(report.accuracy))).c_str(),
+                      all.accuracy_deg.value_or(0.0), report.accuracy.worst_deg.value_or(0.0)));
+  centredText(window_, 0.09, kBlack,
+              printed("precision %.2f deg RMS-S2S, %.2f deg SD; model %s",
+                      all.rms_s2s_deg.value_or(0.0), all.sd_deg.value_or(0.0),
+                      report.model.empty() ? std::string(nameOf(report.fit.map.model)).c_str()
+                                           : report.model.c_str()));
 }
 
 /// Returns false once the observer accepts the result.

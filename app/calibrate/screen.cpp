@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
@@ -95,10 +94,8 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
     }
     const BlindSpotDistance found = distanceByBlindSpot(runs);
     screen.distance_m = found.distance_m;
-    char text[100];
-    std::snprintf(text, sizeof text, "blind spot, %zu runs, %zu refused, +-%.0f mm", runs.size(),
-                  found.refused.size(), 1000.0 * found.sd_m);
-    calibration.distance_from = text;
+    calibration.distance_from = printed("blind spot, %zu runs, %zu refused, +-%.0f mm", runs.size(),
+                                        found.refused.size(), 1000.0 * found.sd_m);
   } else if (options.face_px) {
     if (!options.face_reference_px || !options.face_reference_m) {
       throw InputError("--face-px", "needs --face-reference-px and --face-reference-m");

@@ -10,7 +10,7 @@
 #include "app/calibrate/windows.h"
 #include "app/window/window.h"
 #include "base/input_error.h"
-#include "calibration/gaze_map/map_units.h"
+#include "base/text.h"
 #include "calibration/screen/screen_size.h"
 
 namespace foci {
@@ -114,17 +114,14 @@ void ScreenWindow::fitCard() {
   draw->AddRectFilled(at(corner.x, corner.y), at(corner.x + size.x, corner.y + size.y), kCard,
                       12.0f);
   draw->AddCircleFilled(at(corner.x + size.x, corner.y + size.y), 7.0f, kBlack);
-  char text[160];
   found_.screen.size_m = glm::dvec2(found_.screen.size_px) / px_per_m_;
-  std::snprintf(text, sizeof text, "%.0f px wide: %.0f px/m (%.0f dpi), screen %.1f x %.1f cm",
-                size.x, px_per_m_, px_per_m_ * 0.0254, 100.0 * found_.screen.size_m.x,
-                100.0 * found_.screen.size_m.y);
-  say(text);
+  say(printed("%.0f px wide: %.0f px/m (%.0f dpi), screen %.1f x %.1f cm", size.x, px_per_m_,
+              px_per_m_ * 0.0254, 100.0 * found_.screen.size_m.x, 100.0 * found_.screen.size_m.y));
   if (edid_m_) {
     const double off = disagreement(found_.screen.size_m, *edid_m_);
-    std::snprintf(text, sizeof text, "The display states %.1f x %.1f cm, which differs by %.0f %%",
-                  100.0 * edid_m_->x, 100.0 * edid_m_->y, 100.0 * off);
-    say(text, off > kEdidTolerance ? kRed : kBlack);
+    say(printed("The display states %.1f x %.1f cm, which differs by %.0f %%", 100.0 * edid_m_->x,
+                100.0 * edid_m_->y, 100.0 * off),
+        off > kEdidTolerance ? kRed : kBlack);
   }
   if (Window::isPressed(GLFW_KEY_SPACE)) {
     found_.size_from = "bank card";
@@ -150,10 +147,8 @@ void ScreenWindow::runBlindSpot() {
   const glm::dvec2 area = window_.size_px();
   const glm::dvec2 cross(0.9 * area.x, 0.55 * area.y);
   say("Cover your right eye. Keep your left eye on the cross.");
-  char text[120];
-  std::snprintf(text, sizeof text, "Run %zu of %zu. Space: start; space again when the red dot %s.",
-                runs_.size() + 1, kRuns, outwards ? "vanishes" : "comes back");
-  say(text);
+  say(printed("Run %zu of %zu. Space: start; space again when the red dot %s.", runs_.size() + 1,
+              kRuns, outwards ? "vanishes" : "comes back"));
 
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   draw->AddLine(at(cross.x - 12, cross.y), at(cross.x + 12, cross.y), kBlack, 3.0f);
@@ -179,9 +174,8 @@ void ScreenWindow::runBlindSpot() {
   try {
     const BlindSpotDistance distance = distanceByBlindSpot(runs_);
     found_.screen.distance_m = distance.distance_m;
-    std::snprintf(text, sizeof text, "blind spot, %zu runs, %zu refused, +-%.0f mm", runs_.size(),
-                  distance.refused.size(), 1000.0 * distance.sd_m);
-    found_.distance_from = text;
+    found_.distance_from = printed("blind spot, %zu runs, %zu refused, +-%.0f mm", runs_.size(),
+                                   distance.refused.size(), 1000.0 * distance.sd_m);
     trouble_.clear();
     enter(Stage::gamma);
   } catch (const InputError& error) {
@@ -193,9 +187,7 @@ void ScreenWindow::runBlindSpot() {
 void ScreenWindow::enterDistance() {
   say("Set the distance from your eyes to the screen: left and right arrow.   Space: done.");
   found_.screen.distance_m = std::clamp(found_.screen.distance_m + 0.005 * arrows(), 0.1, 10.0);
-  char text[60];
-  std::snprintf(text, sizeof text, "%.1f cm", 100.0 * found_.screen.distance_m);
-  say(text);
+  say(printed("%.1f cm", 100.0 * found_.screen.distance_m));
   if (Window::isPressed(GLFW_KEY_SPACE)) {
     found_.distance_from = "by hand";
     enter(Stage::gamma);
@@ -216,9 +208,7 @@ void ScreenWindow::matchGamma() {
                       IM_COL32(level_, level_, level_, 255));
   // (level / 255)^gamma = 1/2: the stripes emit half the light.
   const double gamma = std::log(0.5) / std::log(level_ / 255.0);
-  char text[60];
-  std::snprintf(text, sizeof text, "gamma %.2f", gamma);
-  say(text);
+  say(printed("gamma %.2f", gamma));
   const bool space = Window::isPressed(GLFW_KEY_SPACE);
   if (space && level_ != kHalfLight) found_.gamma = std::clamp(gamma, 1.0, 4.0);
   if (Window::isPressed(GLFW_KEY_S)) found_.gamma.reset();
@@ -228,49 +218,26 @@ void ScreenWindow::matchGamma() {
 /// Returns false once the observer accepts the result.
 bool ScreenWindow::showResult() {
   const Screen& screen = found_.screen;
-  char text[200];
-  std::snprintf(text, sizeof text, "Screen %.1f x %.1f cm, %d x %d px (%s)",
-                100.0 * screen.size_m.x, 100.0 * screen.size_m.y, screen.size_px.x,
-                screen.size_px.y, found_.size_from.c_str());
-  say(text);
-  std::snprintf(text, sizeof text, "%.1f cm away (%s)", 100.0 * screen.distance_m,
-                found_.distance_from.c_str());
-  say(text);
-  std::snprintf(text, sizeof text, "%.1f px per degree at the centre",
-                px_per_m_ * screen.distance_m * std::tan(glm::radians(1.0)));
-  say(text);
-  if (found_.gamma) {
-    std::snprintf(text, sizeof text, "gamma %.2f", *found_.gamma);
-    say(text);
-  } else {
-    say("sRGB as displayed");
-  }
+  say(printed("Screen %.1f x %.1f cm, %d x %d px (%s)", 100.0 * screen.size_m.x,
+              100.0 * screen.size_m.y, screen.size_px.x, screen.size_px.y,
+              found_.size_from.c_str()));
+  say(printed("%.1f cm away (%s)", 100.0 * screen.distance_m, found_.distance_from.c_str()));
+  say(printed("%.1f px per degree at the centre",
+              px_per_m_ * screen.distance_m * std::tan(glm::radians(1.0))));
+  say(found_.gamma ? printed("gamma %.2f", *found_.gamma) : "sRGB as displayed");
   say("Space: keep the result.   R: repeat.   Escape: leave.");
   if (Window::isPressed(GLFW_KEY_R)) enter(Stage::card);
   return !Window::isPressed(GLFW_KEY_SPACE);
 }
 
 bool ScreenWindow::step() {
-  switch (stage_) {
-    case Stage::card:
-      fitCard();
-      return true;
-    case Stage::distance:
-      chooseDistance();
-      return true;
-    case Stage::blind_spot:
-      runBlindSpot();
-      return true;
-    case Stage::by_hand:
-      enterDistance();
-      return true;
-    case Stage::gamma:
-      matchGamma();
-      return true;
-    case Stage::result:
-      return showResult();
-  }
-  return true;
+  const Stage stage = stage_;  // the steps change it
+  if (stage == Stage::card) fitCard();
+  if (stage == Stage::distance) chooseDistance();
+  if (stage == Stage::blind_spot) runBlindSpot();
+  if (stage == Stage::by_hand) enterDistance();
+  if (stage == Stage::gamma) matchGamma();
+  return stage != Stage::result || showResult();
 }
 
 }  // namespace

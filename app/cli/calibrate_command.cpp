@@ -1,25 +1,12 @@
 // `foci calibrate screen | gaze | binocular | camera`.
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "app/calibrate/options.h"
 #include "app/cli/commands.h"
-#include "base/input_error.h"
+#include "app/cli/option_values.h"
 
 namespace foci {
 namespace {
-
-void refuseEmpty(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
-      throw InputError(option->get_name(), "expected a value that is not empty");
-    }
-  }
-}
-
-void addOverwrite(CLI::App& command, bool& overwrite) {
-  command.add_flag("--overwrite", overwrite, "also replace files that foci did not make");
-}
 
 void addScreen(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateScreenOptions>();
@@ -28,39 +15,27 @@ void addScreen(CLI::App& calibrate) {
   CalibrateScreenOptions& o = *options;
   screen->add_flag("--headless", o.headless, "no window: the options give every measure");
   screen->add_flag("--window", o.window, "a window instead of the full screen");
-  screen->add_option("--size-px", o.size_px, "resolution")->type_name("WxH");
-  screen->add_option("--card-px", o.card_px, "size of the bank card on the screen, W or WxH px")
-      ->type_name("WxH");
-  screen->add_option("--size-m", o.size_m, "visible area, metres")->type_name("WxH");
-  screen->add_option("--edid", o.edid, "EDID file, as /sys/class/drm/*/edid")->type_name("FILE");
-  screen
-      ->add_option("--monitor", o.monitor,
-                   "start from this screen: a TOML file of foci or a PsychoPy monitor")
-      ->type_name("FILE");
-  screen->add_option("--distance-m", o.distance_m, "distance from eye to screen, metres")
-      ->type_name("D");
-  screen
-      ->add_option("--blind-spot-px", o.blind_spot_px,
-                   "offsets at which the dot vanished (above 0) or came back (below 0), px")
-      ->type_name("PX,...");
-  screen->add_option("--face-px", o.face_px, "width of the face in the webcam's image, px")
-      ->type_name("PX");
-  screen
-      ->add_option("--face-reference-px", o.face_reference_px,
-                   "width of the face at a known distance, px")
-      ->type_name("PX");
-  screen->add_option("--face-reference-m", o.face_reference_m, "that distance, metres")
-      ->type_name("D");
-  screen->add_option("--gamma", o.gamma, "sRGB, or a number from 1 to 4")->type_name("GAMMA");
-  screen->add_option("--out", o.out, "write the screen as TOML")->type_name("FILE.toml");
-  screen->add_option("--psychopy", o.psychopy, "write the screen as a PsychoPy monitor")
-      ->type_name("FILE.json");
-  addOverwrite(*screen, o.overwrite);
+  addOption(*screen, "--size-px", o.size_px, "WxH", "resolution");
+  addOption(*screen, "--card-px", o.card_px, "WxH",
+            "size of the bank card on the screen, W or WxH px");
+  addOption(*screen, "--size-m", o.size_m, "WxH", "visible area, metres");
+  addOption(*screen, "--edid", o.edid, "FILE", "EDID file, as /sys/class/drm/*/edid");
+  addOption(*screen, "--monitor", o.monitor, "FILE",
+            "start from this screen: a TOML file of foci or a PsychoPy monitor");
+  addOption(*screen, "--distance-m", o.distance_m, "D", "distance from eye to screen, metres");
+  addOption(*screen, "--blind-spot-px", o.blind_spot_px, "PX,...",
+            "offsets at which the dot vanished (above 0) or came back (below 0), px");
+  addOption(*screen, "--face-px", o.face_px, "PX", "width of the face in the webcam's image, px");
+  addOption(*screen, "--face-reference-px", o.face_reference_px, "PX",
+            "width of the face at a known distance, px");
+  addOption(*screen, "--face-reference-m", o.face_reference_m, "D", "that distance, metres");
+  addOption(*screen, "--gamma", o.gamma, "GAMMA", "sRGB, or a number from 1 to 4");
+  addOption(*screen, "--out", o.out, "FILE.toml", "write the screen as TOML");
+  addOption(*screen, "--psychopy", o.psychopy, "FILE.json",
+            "write the screen as a PsychoPy monitor");
+  addOverwriteFlag(*screen, o.overwrite);
   screen->add_flag("--json", o.json, "print the summary as JSON");
-  screen->callback([=] {
-    refuseEmpty(*screen);
-    calibrateScreen(*options);
-  });
+  onceParsed(*screen, [=] { calibrateScreen(*options); });
 }
 
 void addGaze(CLI::App& calibrate) {
@@ -68,36 +43,30 @@ void addGaze(CLI::App& calibrate) {
   CLI::App* gaze = calibrate.add_subcommand(
       "gaze", "Fit a map from the tracker's gaze to the screen, and measure its accuracy.");
   CalibrateGazeOptions& o = *options;
-  gaze->add_option("--pairs", o.pairs, "samples to fit: a table with x y x_target y_target")
-      ->type_name("FILE");
-  gaze->add_option("--validate", o.validate, "samples of other targets, to measure accuracy on")
-      ->type_name("FILE");
-  gaze->add_option("--drift", o.drift, "correct this map; --pairs has samples of one target")
-      ->type_name("FILE");
-  gaze->add_option("--units", o.units, "unit of the pairs; direction: the plane z = 1")
-      ->type_name("deg|norm|direction");
-  gaze->add_option("--model", o.model, "kind of map; default: auto")
-      ->type_name("auto|offset|affine|second|third");
-  gaze->add_option("--screen", o.screen, "calibrated screen")->type_name("FILE");
-  gaze->add_option("--out", o.out, "write the map as TOML, and its report beside it")
-      ->type_name("FILE.toml");
-  gaze->add_option("--report", o.report, "write the report to this file instead")
-      ->type_name("FILE.html");
-  gaze->add_option("--source", o.source,
-                   "mouse or webcam[:N] in the window; webcam:VIDEO with --pairs")
-      ->type_name("NAME");
-  gaze->add_option("--camera", o.camera, "calibrated camera, for a webcam")->type_name("FILE");
-  gaze->add_option("--targets", o.targets, "number of targets in the window; default: 9")
-      ->type_name("5|9|13|16");
-  gaze->add_option("--seed", o.seed, "seed for the order of the targets")->type_name("N");
+  addOption(*gaze, "--pairs", o.pairs, "FILE",
+            "samples to fit: a table with x y x_target y_target");
+  addOption(*gaze, "--validate", o.validate, "FILE",
+            "samples of other targets, to measure accuracy on");
+  addOption(*gaze, "--drift", o.drift, "FILE",
+            "correct this map; --pairs has samples of one target");
+  addOption(*gaze, "--units", o.units, "deg|norm|direction",
+            "unit of the pairs; direction: the plane z = 1");
+  addOption(*gaze, "--model", o.model, "auto|offset|affine|second|third",
+            "kind of map; default: auto");
+  addOption(*gaze, "--screen", o.screen, "FILE", "calibrated screen");
+  addOption(*gaze, "--out", o.out, "FILE.toml", "write the map as TOML, and its report beside it");
+  addOption(*gaze, "--report", o.report, "FILE.html", "write the report to this file instead");
+  addOption(*gaze, "--source", o.source, "NAME",
+            "mouse or webcam[:N] in the window; webcam:VIDEO with --pairs");
+  addOption(*gaze, "--camera", o.camera, "FILE", "calibrated camera, for a webcam");
+  addOption(*gaze, "--targets", o.targets, "5|9|13|16",
+            "number of targets in the window; default: 9");
+  addOption(*gaze, "--seed", o.seed, "N", "seed for the order of the targets");
   gaze->add_flag("--window", o.window, "a window instead of the full screen");
   gaze->add_flag("--manual", o.manual, "each target waits for the space key");
-  addOverwrite(*gaze, o.overwrite);
+  addOverwriteFlag(*gaze, o.overwrite);
   gaze->add_flag("--json", o.json, "print the summary as JSON");
-  gaze->callback([=] {
-    refuseEmpty(*gaze);
-    calibrateGaze(*options);
-  });
+  onceParsed(*gaze, [=] { calibrateGaze(*options); });
 }
 
 void addBinocular(CLI::App& calibrate) {
@@ -105,20 +74,15 @@ void addBinocular(CLI::App& calibrate) {
   CLI::App* binocular = calibrate.add_subcommand(
       "binocular", "Find the display's pose and each eye's kappa in a binocular tracker's frame.");
   CalibrateBinocularOptions& o = *options;
-  binocular
-      ->add_option("--pairs", o.pairs, "table of eyes and targets to fit (docs/calibration.md)")
-      ->type_name("FILE")
+  addOption(*binocular, "--pairs", o.pairs, "FILE",
+            "table of eyes and targets to fit (docs/calibration.md)")
       ->required();
-  binocular
-      ->add_option("--validate", o.validate, "samples of other targets, to measure accuracy on")
-      ->type_name("FILE");
-  binocular->add_option("--out", o.out, "write the map as TOML")->type_name("FILE.toml");
-  addOverwrite(*binocular, o.overwrite);
+  addOption(*binocular, "--validate", o.validate, "FILE",
+            "samples of other targets, to measure accuracy on");
+  addOption(*binocular, "--out", o.out, "FILE.toml", "write the map as TOML");
+  addOverwriteFlag(*binocular, o.overwrite);
   binocular->add_flag("--json", o.json, "print the summary as JSON");
-  binocular->callback([=] {
-    refuseEmpty(*binocular);
-    calibrateBinocular(*options);
-  });
+  onceParsed(*binocular, [=] { calibrateBinocular(*options); });
 }
 
 void addCamera(CLI::App& calibrate) {
@@ -126,24 +90,19 @@ void addCamera(CLI::App& calibrate) {
   CLI::App* camera =
       calibrate.add_subcommand("camera", "Measure a camera's focal length and distortion.");
   CalibrateCameraOptions& o = *options;
-  camera->add_option("--images", o.images, "images of the board")->type_name("FILE");
-  camera->add_option("--video", o.video, "video of the board")->type_name("FILE");
-  camera->add_option("--device", o.device, "number of the camera that sees the board")
-      ->type_name("N");
+  addOption(*camera, "--images", o.images, "FILE", "images of the board");
+  addOption(*camera, "--video", o.video, "FILE", "video of the board");
+  addOption(*camera, "--device", o.device, "N", "number of the camera that sees the board");
   camera->add_flag("--window", o.window, "show the video while foci searches it");
-  camera->add_option("--board", o.board, "inner corners of the chessboard")->type_name("WxH");
-  camera->add_option("--charuco", o.charuco, "squares of a ChArUco board, instead of --board")
-      ->type_name("WxH");
-  camera->add_option("--square-mm", o.square_mm, "side of a square, millimetres")->type_name("MM");
-  camera->add_option("--marker-mm", o.marker_mm, "side of a ChArUco marker, millimetres")
-      ->type_name("MM");
-  camera->add_option("--out", o.out, "write the camera as TOML")->type_name("FILE.toml");
-  addOverwrite(*camera, o.overwrite);
+  addOption(*camera, "--board", o.board, "WxH", "inner corners of the chessboard");
+  addOption(*camera, "--charuco", o.charuco, "WxH",
+            "squares of a ChArUco board, instead of --board");
+  addOption(*camera, "--square-mm", o.square_mm, "MM", "side of a square, millimetres");
+  addOption(*camera, "--marker-mm", o.marker_mm, "MM", "side of a ChArUco marker, millimetres");
+  addOption(*camera, "--out", o.out, "FILE.toml", "write the camera as TOML");
+  addOverwriteFlag(*camera, o.overwrite);
   camera->add_flag("--json", o.json, "print the summary as JSON");
-  camera->callback([=] {
-    refuseEmpty(*camera);
-    calibrateCamera(*options);
-  });
+  onceParsed(*camera, [=] { calibrateCamera(*options); });
 }
 
 }  // namespace

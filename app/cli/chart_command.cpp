@@ -1,6 +1,5 @@
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -93,7 +92,7 @@ nlohmann::ordered_json pointJson(const MotionPoint& point) {
   return {{"scene", point.scene},
           {"path", point.path},
           {"method", point.method.spec()},
-          {"budget_ms", point.budget_ms ? nlohmann::ordered_json(*point.budget_ms) : nullptr},
+          {"budget_ms", point.budget_ms},
           {"light_worst", point.light_worst},
           {"jnd_worst", point.jnd_worst},
           {"ms_median", point.ms_median}};
@@ -308,8 +307,7 @@ void addChartCommand(CLI::App& app) {
                                        "         foci chart --growth --out out/growth\n"
                                        "         foci chart --motion --out out/motion\n"
                                        "         foci chart --quick --scene ball --export cases");
-  CLI::Option* out =
-      chart->add_option("--out", options->out, "folder of the results")->type_name("DIR");
+  CLI::Option* out = addOption(*chart, "--out", options->out, "DIR", "folder of the results");
   chart->add_flag("--quick", options->choice.quick,
                   "minutes: fewer blurs, settings, frames and runs, times with all threads only");
   CLI::Option* stability =
@@ -322,52 +320,30 @@ void addChartCommand(CLI::App& app) {
                      "score the change from frame to frame beyond the reference's: head, focus, "
                      "pupil, saccade, stereo")
           ->excludes(stability);
-  chart
-      ->add_option("--size", options->choice.size_px,
-                   "width of the images; default 640, with --motion 160")
-      ->type_name("PX");
-  CLI::Option* scene =
-      chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
-          ->type_name("NAME");
-  CLI::Option* method = chart
-                            ->add_option("--method", options->choice.methods,
-                                         "only this method, NAME or NAME:N; may be repeated")
-                            ->type_name("NAME");
+  addOption(*chart, "--size", options->choice.size_px, "PX",
+            "width of the images; default 640, with --motion 160");
+  CLI::Option* scene = addOption(*chart, "--scene", options->choice.scenes, "NAME",
+                                 "only this scene; may be repeated");
+  CLI::Option* method = addOption(*chart, "--method", options->choice.methods, "NAME",
+                                  "only this method, NAME or NAME:N; may be repeated");
   CLI::Option* growth =
       chart
           ->add_flag("--growth", options->growth,
                      "measure how time and memory grow with splats, pixels, blur, views and "
                      "threads; ten minutes, --quick one")
-          ->excludes(stability)
-          ->excludes(motion)
-          ->excludes(scene)
-          ->excludes(method);
+          ->excludes(stability, motion, scene, method);
   CLI::Option* exported =
-      chart
-          ->add_option("--export", options->export_to,
-                       "write scenes, cameras, lenses and references for other renderers")
-          ->type_name("DIR")
-          ->excludes(out)
-          ->excludes(stability)
-          ->excludes(growth)
-          ->excludes(motion)
-          ->excludes(method);
-  chart
-      ->add_option("--import", options->import_from,
-                   "also chart the images of other renderers that DIR/times.json lists")
-      ->type_name("DIR")
-      ->excludes(exported)
-      ->excludes(growth)
-      ->excludes(motion)
-      ->excludes(stability);
+      addOption(*chart, "--export", options->export_to, "DIR",
+                "write scenes, cameras, lenses and references for other renderers")
+          ->excludes(out, stability, growth, motion, method);
+  addOption(*chart, "--import", options->import_from, "DIR",
+            "also chart the images of other renderers that DIR/times.json lists")
+      ->excludes(exported, growth, motion, stability);
   addScanOptions(*chart, options->scan);
   growth->excludes(chart->get_option("--scan"));
   addOverwriteFlag(*chart, options->overwrite);
   chart->add_flag("--json", options->json, "print the figures as JSON");
-  chart->callback([options, chart] {
-    refuseEmptyValues(*chart);
-    runChart(*options);
-  });
+  onceParsed(*chart, [options] { runChart(*options); });
 }
 
 }  // namespace foci

@@ -4,11 +4,8 @@
 // the arguments. Bad input leaves as InputError, which `main` reports.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
-
-namespace CLI {
-class App;
-}
 
 namespace foci {
 

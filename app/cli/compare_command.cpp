@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -49,18 +48,13 @@ void addCompareCommand(CLI::App& app) {
                          "Compare runs of settings or of observers: fixations, blur, dwell "
                          "times, overlap of gaze and images side by side.\n"
                          "Example: foci compare out/old out/young --out out/both");
-  command
-      ->add_option("RUNS", options->runs,
-                   "folders that foci replay wrote, of runs or of batches; the others are "
-                   "compared with the first")
-      ->type_name("DIR")
+  addOption(*command, "RUNS", options->runs, "DIR",
+            "folders that foci replay wrote, of runs or of batches; the others are compared with "
+            "the first")
       ->required();
-  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the results")->required();
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command] {
-    refuseEmptyValues(*command);
-    runCompare(*options);
-  });
+  onceParsed(*command, [options] { runCompare(*options); });
 }
 
 }  // namespace foci

@@ -1,6 +1,5 @@
 #include "app/cli/completions.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "app/study/study.h"

@@ -2,14 +2,11 @@
 // table of keys.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <string>
 #include <utility>
 #include <vector>
-
-namespace CLI {
-class App;
-}
 
 namespace foci {
 

@@ -1,6 +1,5 @@
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -233,7 +232,7 @@ void addDoctorCommand(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   command->add_flag("--json", options->json, "print the facts as JSON");
-  command->add_option("--pupil", options->pupil, "address of Pupil Remote")->type_name("HOST:PORT");
+  addOption(*command, "--pupil", options->pupil, "HOST:PORT", "address of Pupil Remote");
   command->callback([options] {
     const Json facts = examine(options->pupil);
     if (options->json) {

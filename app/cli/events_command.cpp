@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -100,10 +99,8 @@ std::string countsOf(const std::vector<GazeState>& states, const std::vector<Gaz
                                      [&](const GazeEvent& event) { return event.kind == kind; });
     const double share = static_cast<double>(samples) / static_cast<double>(states.size());
     json["events"][nameOf(kind)] = {{"count", count}, {"share", share}};
-    char line[80];
-    std::snprintf(line, sizeof line, "%-9s %5ld events  %5.1f %% of the samples\n",
-                  std::string(nameOf(kind)).c_str(), static_cast<long>(count), 100.0 * share);
-    text += line;
+    text += printed("%-9s %5ld events  %5.1f %% of the samples\n",
+                    std::string(nameOf(kind)).c_str(), static_cast<long>(count), 100.0 * share);
   }
   return text;
 }
@@ -135,7 +132,7 @@ Warnings warningsOf(const std::string& file, const GazeTrace& trace) {
   Warnings warnings;
   const std::string before = file + ": assumed: ";
   for (const std::string& assumption : trace.assumed) say(before + assumption);
-  for (const std::string& warning : trace.warnings) warnings.add(file, warning);
+  warnings.addAll(file, trace.warnings);
   return warnings;
 }
 
@@ -162,9 +159,7 @@ void detectEvents(const EventsOptions& options) {
   const EventLabels labels = judgedLabels(options.traces[0], trace, settings, options.online);
   const auto events = eventsOf(labels, trace, *trace.screen, settings);
   const RecordingQuality quality = qualityOf(trace, *trace.screen, labels.states, events);
-  for (const std::string& warning : eventWarnings(trace, labels, quality, settings)) {
-    warnings.add(options.traces[0], warning);
-  }
+  warnings.addAll(options.traces[0], eventWarnings(trace, labels, quality, settings));
   if (!options.out.empty())
     files.write(options.out, eventTable(events, trace.trials, settings.detector));
   if (!options.samples.empty()) {
@@ -287,7 +282,7 @@ void scoreEvents(const EventsOptions& options) {
     warnings.include(warningsOf(file, labelled.trace).all());
     const EventLabels labels =
         judgedLabels(file, labelled.trace, description.events, options.online);
-    for (const std::string& warning : labels.warnings) warnings.add(file, warning);
+    warnings.addAll(file, labels.warnings);
     scores.add(labelled, labels.states);
   }
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
@@ -320,9 +315,7 @@ void compareDetectors(const EventsOptions& options) {
     for (std::size_t d = 0; d < kDetectors.size(); ++d) {
       description.events.detector = kDetectors[d];
       EventLabels found = judgedLabels(file, trace, description.events, options.online);
-      if (d == 0) {
-        for (const std::string& warning : found.warnings) warnings.add(file, warning);
-      }
+      if (d == 0) warnings.addAll(file, found.warnings);
       labels[d] = std::move(found.states);
     }
     for (std::size_t a = 0; a < kDetectors.size(); ++a) {
@@ -364,23 +357,16 @@ void addEventsCommand(CLI::App& app) {
   for (const Detector detector : kDetectors) detectors.emplace_back(nameOf(detector));
   events->add_option("TRACE", o.traces, "gaze recording; several with --score, --compare-detectors")
       ->required();
-  events
-      ->add_option("--detector", o.detector,
-                   "trained (default), rules, ivt or idt; overrides the study's gaze.detector")
-      ->check(CLI::IsMember(detectors))
-      ->type_name("NAME");
-  events
-      ->add_option("--pursuit", o.pursuit,
-                   "false: pursuit counts as fixation; overrides the study's gaze.pursuit")
-      ->type_name("true|false");
+  addOption(*events, "--detector", o.detector, "NAME",
+            "trained (default), rules, ivt or idt; overrides the study's gaze.detector")
+      ->check(CLI::IsMember(detectors));
+  addOption(*events, "--pursuit", o.pursuit, "true|false",
+            "false: pursuit counts as fixation; overrides the study's gaze.pursuit");
   events->add_flag("--online", o.online, "use the online detector of foci live, which has a delay");
-  events->add_option("--out", o.out, "table of the events")->type_name("FILE.tsv");
-  events->add_option("--samples", o.samples, "table of the label of every sample")
-      ->type_name("FILE.tsv");
-  events
-      ->add_option("--physioevents", o.physioevents,
-                   "the events as a BIDS table with a JSON sidecar")
-      ->type_name("FILE_physioevents.tsv.gz");
+  addOption(*events, "--out", o.out, "FILE.tsv", "table of the events");
+  addOption(*events, "--samples", o.samples, "FILE.tsv", "table of the label of every sample");
+  addOption(*events, "--physioevents", o.physioevents, "FILE_physioevents.tsv.gz",
+            "the events as a BIDS table with a JSON sidecar");
   events->add_flag("--score", o.score,
                    "agreement (Cohen's kappa) with the human coders in the columns coder_NAME");
   events->add_flag("--compare-detectors", o.compare,
@@ -388,8 +374,7 @@ void addEventsCommand(CLI::App& app) {
   addTraceOptions(*events, o);
   addOverwriteFlag(*events, o.overwrite);
   events->add_flag("--json", o.json, "print the summary as JSON");
-  events->callback([options, events] {
-    refuseEmptyValues(*events);
+  onceParsed(*events, [options] {
     if (!options->score && !options->compare && options->traces.size() > 1) {
       throw InputError("TRACE: expected one recording, --score or --compare-detectors");
     }

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -66,32 +65,23 @@ void addEyeCommand(CLI::App& app) {
       "Show the optics of the observer's eye: the image of a point of light, contrast, depth of "
       "focus.\n"
       "Example: foci eye study.toml --out out/eye");
-  command->add_option("STUDY", options->study, "study (TOML)")->type_name("FILE")->required();
-  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
-  command
-      ->add_option("--focus", options->focus, "focal distance, metres, or inf; default: the screen")
-      ->type_name("METRES");
-  command
-      ->add_option(
-          "--at", options->at,
-          "distances of points of light, metres or inf, e.g. 0.5,1,inf; default: within 1 D "
-          "of the focus")
-      ->type_name("METRES,...")
+  addOption(*command, "STUDY", options->study, "FILE", "study (TOML)")->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the results")->required();
+  addOption(*command, "--focus", options->focus, "METRES",
+            "focal distance, metres, or inf; default: the screen");
+  addOption(*command, "--at", options->at, "METRES,...",
+            "distances of points of light, metres or inf, e.g. 0.5,1,inf; default: within 1 D of "
+            "the focus")
       ->delimiter(',');
-  command
-      ->add_option("--field", options->field,
-                   "angles to the right of the line of sight, degrees, e.g. 0,10,20; below 0 to "
-                   "the left; default: none")
-      ->type_name("DEG,...")
+  addOption(*command, "--field", options->field, "DEG,...",
+            "angles to the right of the line of sight, degrees, e.g. 0,10,20; below 0 to the left; "
+            "default: none")
       ->delimiter(',');
-  command->add_option("--set", options->set, "set any key of the study; may be repeated")
-      ->type_name("KEY=VALUE")
+  addOption(*command, "--set", options->set, "KEY=VALUE",
+            "set any key of the study; may be repeated")
       ->allow_extra_args(false);
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command] {
-    refuseEmptyValues(*command);
-    runEye(*options);
-  });
+  onceParsed(*command, [options] { runEye(*options); });
 }
 
 }  // namespace foci

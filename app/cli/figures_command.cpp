@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -47,8 +46,7 @@ void runFigures(FiguresOptions options) {
 template <class Names>
 CLI::Option* addNames(CLI::App& command, const char* option, auto& value, const char* help,
                       const Names& names) {
-  return command.add_option(option, value, help)
-      ->type_name("NAME")
+  return addOption(command, option, value, "NAME", help)
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
 }
 
@@ -62,36 +60,27 @@ void addFiguresCommand(CLI::App& app) {
       "Draw figures of a run for a paper: scanpath, maps of gaze on the frame and on the scene, "
       "time series, focus and blur.\n"
       "Example: foci figures out/demo --out out/figures --format pdf --width 85");
-  command->add_option("RUN", options->run, "folder that foci replay wrote")
-      ->type_name("DIR")
-      ->required();
-  command->add_option("--out", options->out, "folder of the figures")->type_name("DIR")->required();
+  addOption(*command, "RUN", options->run, "DIR", "folder that foci replay wrote")->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the figures")->required();
   addNames(*command, "--format", options->format, "default svg", kFigureFormats);
   addNames(*command, "--only", options->choice.kinds, "only this figure; may be repeated",
            kFigures);
-  command->add_option("--trial", options->trial, "only this trial of the run")->type_name("NAME");
-  command->add_option("--width", style.width_mm, "width, mm; default 180")
-      ->type_name("MM")
+  addOption(*command, "--trial", options->trial, "NAME", "only this trial of the run");
+  addOption(*command, "--width", style.width_mm, "MM", "width, mm; default 180")
       ->check(CLI::Range(30.0, 1000.0));
-  command
-      ->add_option("--height", style.height_mm, "height of time series and focus, mm; default 110")
-      ->type_name("MM")
+  addOption(*command, "--height", style.height_mm, "MM",
+            "height of time series and focus, mm; default 110")
       ->check(CLI::Range(30.0, 1000.0));
-  command->add_option("--font", style.font_pt, "size of the letters, points; default 8")
-      ->type_name("PT")
+  addOption(*command, "--font", style.font_pt, "PT", "size of the letters, points; default 8")
       ->check(CLI::Range(3.0, 40.0));
-  command->add_option("--line", style.line_pt, "width of a line, points; default 0.75")
-      ->type_name("PT")
+  addOption(*command, "--line", style.line_pt, "PT", "width of a line, points; default 0.75")
       ->check(CLI::Range(0.1, 10.0));
-  command->add_option("--dpi", style.dpi, "pixels per inch of PNG and of pictures; default 300")
-      ->type_name("N")
+  addOption(*command, "--dpi", style.dpi, "N",
+            "pixels per inch of PNG and of pictures; default 300")
       ->check(CLI::Range(50.0, 1200.0));
   addNames(*command, "--colors", options->colors, "colour map; default inferno", kColorMaps);
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command] {
-    refuseEmptyValues(*command);
-    runFigures(*options);
-  });
+  onceParsed(*command, [options] { runFigures(*options); });
 }
 
 }  // namespace foci

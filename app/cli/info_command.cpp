@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -6,13 +5,13 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/study_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/replay/render_image.h"
 #include "app/study/inputs.h"
 #include "app/study/scene_study.h"
 #include "app/study/scene_text.h"
+#include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"
 
@@ -65,21 +64,15 @@ void addInfoCommand(CLI::App& app) {
                                          "Describe a scene file: bounds, units, counts and "
                                          "materials, and with --thumbnail an image.\n"
                                          "Example: foci info cow.obj --thumbnail cow.png");
-  command->add_option("SCENE", options->scene, "points, mesh, Gaussians or prepared scene")
-      ->type_name("FILE")
+  addOption(*command, "SCENE", options->scene, "FILE", "points, mesh, Gaussians or prepared scene")
       ->required();
-  command->add_option("--thumbnail", options->thumbnail, "also render the scene, 480x270 px")
-      ->type_name("FILE.png");
-  command->add_option("--look", options->look, "look from front, left, above or outside")
-      ->type_name("FROM");
-  command->add_option("--up", options->up, "upward axis, x, y or z, or -x, -y or -z")
-      ->type_name("AXIS");
+  addOption(*command, "--thumbnail", options->thumbnail, "FILE.png",
+            "also render the scene, 480x270 px");
+  addOption(*command, "--look", options->look, "FROM", "look from front, left, above or outside");
+  addOption(*command, "--up", options->up, "AXIS", "upward axis, x, y or z, or -x, -y or -z");
   command->add_flag("--json", options->json, "print the facts as JSON");
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command] {
-    refuseEmptyValues(*command);
-    runInfo(*options);
-  });
+  onceParsed(*command, [options] { runInfo(*options); });
 }
 
 }  // namespace foci

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -44,17 +43,13 @@ void addJoinCommand(CLI::App& app, const std::string& command_line) {
       app.add_subcommand("join",
                          "Join the parts of a run into the files that a single replay writes.\n"
                          "Example: foci join out/part-* --out out/run");
-  command
-      ->add_option("PARTS", options->parts, "folders that foci replay --frames wrote, in any order")
-      ->type_name("DIR")
+  addOption(*command, "PARTS", options->parts, "DIR",
+            "folders that foci replay --frames wrote, in any order")
       ->required();
-  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the results")->required();
   command->add_flag("--json", options->json, "print the summary as JSON");
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command, command_line] {
-    refuseEmptyValues(*command);
-    runJoin(*options, command_line);
-  });
+  onceParsed(*command, [options, command_line] { runJoin(*options, command_line); });
 }
 
 }  // namespace foci

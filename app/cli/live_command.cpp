@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
@@ -209,13 +208,9 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
       "Show a scene in real time; its focus follows your gaze. Press ? for the keys.\n"
       "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
-  CLI::Option* source =
-      command
-          ->add_option(
-              "--source", options->live.source,
-              "gaze source: mouse, trace:FILE, pupil:HOST:PORT, lsl[:NAME], socket[:RATE] or "
-              "webcam[:N|FILE]")
-          ->type_name("NAME");
+  CLI::Option* source = addOption(*command, "--source", options->live.source, "NAME",
+                                  "gaze source: mouse, trace:FILE, pupil:HOST:PORT, lsl[:NAME], "
+                                  "socket[:RATE] or webcam[:N|FILE]");
   command
       ->add_flag("--headset", options->live.headset,
                  "a headset by OpenXR shows both eyes, and its eye tracker is the gaze; a window "
@@ -223,25 +218,17 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
                  "headset recommends one. A late frame repeats the last one, at its own pose")
       ->excludes(source);
   command->add_flag("--window", options->live.window, "a window instead of the full screen");
-  command
-      ->add_option("--monitor", options->live.monitor,
-                   "monitor, 0 for the primary one; `foci doctor` lists them")
-      ->type_name("N");
-  command->add_option("--record", options->record, "record from the start, to this folder")
-      ->type_name("DIR");
+  addOption(*command, "--monitor", options->live.monitor, "N",
+            "monitor, 0 for the primary one; `foci doctor` lists them");
+  addOption(*command, "--record", options->record, "DIR", "record from the start, to this folder");
   command->add_flag("--latency", options->latency,
                     "print the time from gaze to screen, in its parts: tracker, foci and display");
-  command
-      ->add_option("--socket", options->live.socket,
-                   "port for an experiment's commands; default address: this machine")
-      ->type_name("[ADDRESS:]PORT");
+  addOption(*command, "--socket", options->live.socket, "[ADDRESS:]PORT",
+            "port for an experiment's commands; default address: this machine");
   addMarkerOptions(*command, *options);
   command->add_flag("--overwrite", options->overwrite,
                     "also replace a study that foci did not make; never a record");
-  command->callback([options, command, command_line] {
-    refuseEmptyValues(*command);
-    runLiveCommand(*options, command_line);
-  });
+  onceParsed(*command, [options, command_line] { runLiveCommand(*options, command_line); });
 }
 
 }  // namespace foci

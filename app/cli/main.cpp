@@ -1,5 +1,4 @@
 // `foci`: the command line (CLI11), and errors as one line with an exit code.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -63,7 +62,7 @@ std::optional<std::string> unknownOption(const CLI::App& command, int i, int arg
   for (; i < argc; ++i) {
     const std::string word = argv[i], name = word.substr(0, word.find('='));
     if (name == "--" || !name.starts_with("--")) continue;
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    if (std::ranges::find(known, name) != known.end()) continue;
     const auto near = nearWord(name, known);
     return "unknown option " + shown(name) + (near ? ": did you mean " + *near + "?" : "");
   }
@@ -92,9 +91,8 @@ std::string usageError(const CLI::App& app, int argc, char** argv, std::string m
     const std::string_view word = argv[i];
     if (word.starts_with('-')) break;
     const auto commands = commandsOf(*at);
-    const auto found = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* one) {
-      return one->check_name(std::string(word));
-    });
+    const auto found = std::ranges::find_if(
+        commands, [&](const CLI::App* one) { return one->check_name(std::string(word)); });
     if (found == commands.end()) return withHelp(unknownCommand(*at, argv[i]));
     at = *found;
     path += " " + at->get_name();

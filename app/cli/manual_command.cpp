@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -152,12 +151,9 @@ void addManualCommand(CLI::App& app) {
       "manual",
       "Write a man page for each command, and completions for bash, zsh and fish.\n"
       "Example: foci manual --out manual");
-  command->add_option("--out", options->out, "folder of the pages")->type_name("DIR")->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the pages")->required();
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([&app, options, command] {
-    refuseEmptyValues(*command);
-    runManual(app, *options);
-  });
+  onceParsed(*command, [&app, options] { runManual(app, *options); });
 }
 
 }  // namespace foci

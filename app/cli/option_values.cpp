@@ -1,9 +1,7 @@
 #include "app/cli/option_values.h"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <optional>
-#include <string_view>
 
 #include "base/input_error.h"
 #include "base/parallel.h"
@@ -20,19 +18,16 @@ double vergenceOf_D(const std::string& option, const std::string& text) {
   return 1.0 / *distance_m;
 }
 
-void refuseEmptyValues(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_type_size() == 0) continue;  // a flag
-    for (const std::string& value : option->results()) {
-      if (value.empty()) {
+void onceParsed(CLI::App& command, const std::function<void()>& run) {
+  command.callback([&command, run] {
+    for (const CLI::Option* option : command.get_options()) {
+      if (option->get_type_size() == 0) continue;  // a flag
+      if (std::ranges::find(option->results(), "") != option->results().end()) {
         throw InputError(option->get_name(), "expected a value that is not empty");
       }
     }
-  }
-}
-
-void addThreadsOption(CLI::App& command, std::string& threads, const char* help) {
-  command.add_option("--threads", threads, help)->type_name("N");
+    run();
+  });
 }
 
 void addOverwriteFlag(CLI::App& command, bool& overwrite) {

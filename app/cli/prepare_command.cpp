@@ -1,6 +1,5 @@
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -15,44 +14,40 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/gaze_sample.h"
-#include "render/scene/io/open_scene.h"
 
 namespace foci {
 namespace {
 
 nlohmann::ordered_json normalisationJson(const Normalisation& n) {
   const auto ofSmooth = [&](double value) {
-    return n.smooth_share > 0.0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+    return n.smooth_share > 0.0 ? std::optional(value) : std::nullopt;
   };
   return {{"pixel_spacings", n.pixel_spacings},
           {"blur_spacings", n.blur_spacings},
-          {"mean", n.mean},
-          {"within_0.02", n.within_2},
-          {"within_0.05", n.within_5},
-          {"within_0.1", n.within_10},
+          {"mean", n.whole.mean},
+          {"within_0.02", n.whole.within_2},
+          {"within_0.05", n.whole.within_5},
+          {"within_0.1", n.whole.within_10},
           {"smooth_share", n.smooth_share},
-          {"smooth_mean", ofSmooth(n.smooth_mean)},
-          {"smooth_within_0.02", ofSmooth(n.smooth_within_2)},
-          {"smooth_within_0.05", ofSmooth(n.smooth_within_5)},
-          {"smooth_within_0.1", ofSmooth(n.smooth_within_10)},
-          {"histogram", n.histogram},
-          {"smooth_histogram", n.smooth_histogram}};
+          {"smooth_mean", ofSmooth(n.smooth.mean)},
+          {"smooth_within_0.02", ofSmooth(n.smooth.within_2)},
+          {"smooth_within_0.05", ofSmooth(n.smooth.within_5)},
+          {"smooth_within_0.1", ofSmooth(n.smooth.within_10)},
+          {"histogram", n.whole.histogram},
+          {"smooth_histogram", n.smooth.histogram}};
 }
 
 nlohmann::ordered_json fidelityJson(const FidelityReport& report) {
-  const auto orNull = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-  };
   const Fidelity& all = report.all;
   return {{"views", report.views.size()},
           {"pixel_spacings", report.pixelSpacings()},
           {"interior_px", all.interior},
           {"leak_share", all.leakShare()},
           {"largest_leak", all.largest_leak},
-          {"color_error_mean", orNull(all.color_mean)},
-          {"color_error_99", orNull(all.color_99)},
-          {"outline_error_px", orNull(all.outline_px)},
-          {"outline_shift_px", orNull(all.outline_shift_px)},
+          {"color_error_mean", all.color_mean},
+          {"color_error_99", all.color_99},
+          {"outline_error_px", all.outline_px},
+          {"outline_shift_px", all.outline_shift_px},
           {"transparent_share", report.transparent_share}};
 }
 
@@ -137,7 +132,7 @@ void runPrepare(const PrepareOptions& options) {
       "kernels sum to 1 +- 0.02 over %.1f %% of the surface, to 1 +- 0.1 over %.1f %% (%.1f %% of "
       "the smooth parts)\n%s\nscene: %s\nreport: %s\n",
       summary.surfels, summary.area_m2, 1000.0 * summary.spacing_m, summary.seconds,
-      100.0 * n.within_2, 100.0 * n.within_10, 100.0 * n.smooth_within_10,
+      100.0 * n.whole.within_2, 100.0 * n.whole.within_10, 100.0 * n.smooth.within_10,
       fidelityText(summary).c_str(), visible(summary.out.string()).c_str(),
       visible(summary.report.string()).c_str());
 }
@@ -154,32 +149,22 @@ void addPrepareCommand(CLI::App& app) {
                          "For Gaussians, it builds levels of detail. For a mesh, the report "
                          "compares the surfels with the triangles.\n"
                          "Example: foci prepare lion.ply --out lion.foci");
-  prepare
-      ->add_option(
-          "INPUT", options->input,
-          "points (PLY, LAS, PCD, XYZ, PTS, COLMAP), mesh (OBJ, glTF, STL, FBX, PLY, OFF) or "
-          "Gaussians (PLY, SPZ, SPLAT, KSPLAT, SOG, glTF)")
-      ->type_name("FILE")
+  addOption(*prepare, "INPUT", options->input, "FILE",
+            "points (PLY, LAS, PCD, XYZ, PTS, COLMAP), mesh (OBJ, glTF, STL, FBX, PLY, OFF) or "
+            "Gaussians (PLY, SPZ, SPLAT, KSPLAT, SOG, glTF)")
       ->required();
-  prepare->add_option("--out", options->out, "scene; the report gets the same name with .html")
-      ->type_name("FILE.foci")
+  addOption(*prepare, "--out", options->out, "FILE.foci",
+            "scene; the report gets the same name with .html")
       ->required();
-  prepare
-      ->add_option("--scale", options->scale_m, "length of a unit of the input, metres; default: 1")
-      ->type_name("METRES");
-  prepare
-      ->add_option(
-          "--points", options->points,
-          "approximate number of samples of a mesh; default: from its detail, 500000 or more")
-      ->type_name("N");
-  addThreadsOption(*prepare, options->threads,
-                   "max number of threads; the scene does not depend on it");
+  addOption(*prepare, "--scale", options->scale_m, "METRES",
+            "length of a unit of the input, metres; default: 1");
+  addOption(*prepare, "--points", options->points, "N",
+            "approximate number of samples of a mesh; default: from its detail, 500000 or more");
+  addOption(*prepare, "--threads", options->threads, "N",
+            "max number of threads; the scene does not depend on it");
   addOverwriteFlag(*prepare, options->overwrite);
   prepare->add_flag("--json", options->json, "print the summary as JSON");
-  prepare->callback([options, prepare] {
-    refuseEmptyValues(*prepare);
-    runPrepare(*options);
-  });
+  onceParsed(*prepare, [options] { runPrepare(*options); });
 }
 
 }  // namespace foci

@@ -1,10 +1,7 @@
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "app/cli/commands.h"
@@ -17,7 +14,6 @@
 #include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/line_reader.h"
 
 namespace foci {
 namespace {
@@ -42,7 +38,7 @@ std::string summaryJsonOf(const RenderOptions& options, const Study& study,
                           const ImageSummary& summary) {
   nlohmann::ordered_json json = {{"out", options.out},
                                  {"focus_D", summary.focus_D},
-                                 {"surface_distance_m", nullptr},
+                                 {"surface_distance_m", summary.surface_distance_m},
                                  {"pupil_mm", summary.pupil_mm},
                                  {"method", study.render.method},
                                  {"device", summary.device},
@@ -50,13 +46,10 @@ std::string summaryJsonOf(const RenderOptions& options, const Study& study,
                                  {"fragments", summary.stats.fragments},
                                  {"render_ms", summary.stats.ms},
                                  {"quality_level", nullptr},
-                                 {"tolerance_error", nullptr},
-                                 {"tolerance_met", nullptr},
+                                 {"tolerance_error", summary.stats.tolerance_error},
+                                 {"tolerance_met", summary.stats.tolerance_met},
                                  {"warnings", summary.warnings}};
-  if (summary.surface_distance_m) json["surface_distance_m"] = *summary.surface_distance_m;
   if (const auto& level = summary.stats.quality_level) json["quality_level"] = textOf(*level);
-  if (const auto& error = summary.stats.tolerance_error) json["tolerance_error"] = *error;
-  if (const auto& met = summary.stats.tolerance_met) json["tolerance_met"] = *met;
   return jsonText(json);
 }
 
@@ -95,29 +88,19 @@ void addRenderCommand(CLI::App& app) {
                          "Render one image of a study or of any scene, at a given focus or gaze.\n"
                          "Example: foci render cow.obj --out cow.png");
   addStudyOptions(*command, *options);
-  command->add_option("--out", options->out, "image: .png (sRGB), .pfm or .exr (linear)")
-      ->type_name("FILE")
+  addOption(*command, "--out", options->out, "FILE", "image: .png (sRGB), .pfm or .exr (linear)")
       ->required();
-  auto* focus = command->add_option("--focus", options->focus, "focal distance, metres, or inf")
-                    ->type_name("METRES");
-  command
-      ->add_option("--gaze", options->gaze,
-                   "point on the study's screen, px; the eye focuses on the surface there")
-      ->type_name("X,Y")
+  auto* focus =
+      addOption(*command, "--focus", options->focus, "METRES", "focal distance, metres, or inf");
+  addOption(*command, "--gaze", options->gaze, "X,Y",
+            "point on the study's screen, px; the eye focuses on the surface there")
       ->excludes(focus);
-  command
-      ->add_option("--depth", options->depth,
-                   "also write the distance of each pixel, metres, as .pfm or .exr")
-      ->type_name("FILE");
-  command
-      ->add_option("--defocus", options->defocus,
-                   "also write how much nearer than the focus each pixel is, D, as .pfm or .exr")
-      ->type_name("FILE");
+  addOption(*command, "--depth", options->depth, "FILE",
+            "also write the distance of each pixel, metres, as .pfm or .exr");
+  addOption(*command, "--defocus", options->defocus, "FILE",
+            "also write how much nearer than the focus each pixel is, D, as .pfm or .exr");
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command] {
-    refuseEmptyValues(*command);
-    runRender(*options);
-  });
+  onceParsed(*command, [options] { runRender(*options); });
 }
 
 }  // namespace foci

@@ -1,6 +1,5 @@
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -41,8 +40,7 @@ std::size_t countOf(const std::string& option, std::string_view text, std::size_
   if (!number || *number < 0 || *number > kMaxFrame || *number != std::floor(*number)) {
     throw InputError(
         "--frames " + option,
-        "expected FIRST:END, e.g. 0:900; the part ends before frame END; or PART/PARTS, "
-        "e.g. 1/4");
+        "expected FIRST:END, e.g. 0:900; the part ends before frame END; or PART/PARTS, e.g. 1/4");
   }
   return static_cast<std::size_t>(*number);
 }
@@ -206,33 +204,21 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
       "Example: foci replay scan.glb --trace gaze.tsv --out out/scan");
   addStudyOptions(*command, *options);
   command->get_option("STUDY")->required(false);  // `takeStudyFromTraces` asks for it
-  command
-      ->add_option("--trace", options->traces,
-                   "recording, or webcam:VIDEO, instead of the study's gaze source; with several, "
-                   "each gets a folder in DIR, and index.html lists all; so does each person of a "
-                   "table of several people")
-      ->type_name("FILE")
+  addOption(
+      *command, "--trace", options->traces, "FILE",
+      "recording, or webcam:VIDEO, instead of the study's gaze source; with several, each gets a "
+      "folder in DIR, and index.html lists all; so does each person of a table of several people")
       ->expected(1, -1);
-  command->add_option("--out", options->out, "folder of the results; default: out")
-      ->type_name("DIR");
-  command
-      ->add_option("--seconds", options->seconds,
-                   "part of the recording, seconds after its first sample")
-      ->type_name("FROM:TO");
-  command
-      ->add_option("--frames", options->frames,
-                   "render only frames FIRST to END - 1, or one of equal parts, for foci join")
-      ->type_name("FIRST:END|PART/PARTS");
-  command
-      ->add_option("--heatmap", options->heatmap,
-                   "also write the scene's surfels with the time that gaze rested on each, .ply")
-      ->type_name("FILE");
+  addOption(*command, "--out", options->out, "DIR", "folder of the results; default: out");
+  addOption(*command, "--seconds", options->seconds, "FROM:TO",
+            "part of the recording, seconds after its first sample");
+  addOption(*command, "--frames", options->frames, "FIRST:END|PART/PARTS",
+            "render only frames FIRST to END - 1, or one of equal parts, for foci join");
+  addOption(*command, "--heatmap", options->heatmap, "FILE",
+            "also write the scene's surfels with the time that gaze rested on each, .ply");
   addMarkerOptions(*command, *options);
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command, command_line] {
-    refuseEmptyValues(*command);
-    runReplay(*options, command_line);
-  });
+  onceParsed(*command, [options, command_line] { runReplay(*options, command_line); });
 }
 
 }  // namespace foci

@@ -1,6 +1,5 @@
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -91,7 +90,7 @@ void addReproduceCommand(CLI::App& app) {
                                          "on this machine. The run takes under\n"
                                          "ten minutes and 2 GB of memory.\n"
                                          "Example: foci reproduce --out out/paper");
-  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the results")->required();
   command->add_flag(
       "--quick", options->quick,
       "one minute: fewer repetitions, a coarse reference, no scene of 10 million surfels; shows "
@@ -99,10 +98,7 @@ void addReproduceCommand(CLI::App& app) {
   addScanOptions(*command, options->scan);
   addOverwriteFlag(*command, options->overwrite);
   command->add_flag("--json", options->json, "print the figures as JSON");
-  command->callback([options, command] {
-    refuseEmptyValues(*command);
-    runReproduce(*options);
-  });
+  onceParsed(*command, [options] { runReproduce(*options); });
 }
 
 }  // namespace foci

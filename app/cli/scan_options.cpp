@@ -1,6 +1,5 @@
 #include "app/cli/scan_options.h"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "app/cli/option_values.h"
@@ -17,17 +16,16 @@ glm::vec3 vectorOf(const std::vector<double>& xyz) {
 }  // namespace
 
 void addScanOptions(CLI::App& command, ScanOptions& options) {
-  command
-      .add_option("--scan", options.scan, "points, mesh or prepared scene instead of the statue")
-      ->type_name("FILE");
+  addOption(command, "--scan", options.scan, "FILE",
+            "points, mesh or prepared scene instead of the statue");
   const auto pose = [&](const char* name, std::vector<double>& xyz, const char* help) {
-    command.add_option(name, xyz, help)->type_name("X,Y,Z")->delimiter(',')->expected(3);
+    addOption(command, name, xyz, "X,Y,Z", help)->delimiter(',')->expected(3);
   };
   pose("--eye", options.eye, "where the eye is, metres; default: as in configs/lion.toml");
   pose("--look-at", options.look_at, "point in the middle of the image and in focus, metres");
   pose("--up", options.up, "upward direction of the image");
-  addThreadsOption(command, options.threads,
-                   "max number of threads; times are measured with 1 and with N");
+  addOption(command, "--threads", options.threads, "N",
+            "max number of threads; times are measured with 1 and with N");
 }
 
 std::vector<std::filesystem::path> scanFiles(const ScanOptions& options) {

@@ -2,16 +2,13 @@
 // threads.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/evaluation/scene_in_view.h"
-
-namespace CLI {
-class App;
-}
 
 namespace foci {
 

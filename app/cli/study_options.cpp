@@ -1,7 +1,5 @@
 #include "app/cli/study_options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
 #include "app/study/scene_study.h"
@@ -10,7 +8,7 @@ namespace foci {
 
 void addStudyOptions(CLI::App& command, StudyRequest& options) {
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
-    return command.add_option(name, value, help)->type_name(type);
+    return addOption(command, name, value, type, help);
   };
   add("STUDY", options.study, "FILE",
       "study (TOML), or a scene: points, mesh, Gaussians or prepared scene, which foci then frames")
@@ -33,13 +31,11 @@ void addStudyOptions(CLI::App& command, StudyRequest& options) {
   add("--device", options.device, "auto|gpu|cpu", "render on a GPU or the CPU");
   add("--view", options.view, "mono|side-by-side|top-bottom|anaglyph|left|right",
       "one eye in the middle, both eyes, or one of them");
-  command
-      .add_option("--set", options.set,
-                  "set any key of the study, e.g. --set focus.fixed_D=2; may be repeated")
-      ->type_name("KEY=VALUE")
+  addOption(command, "--set", options.set, "KEY=VALUE",
+            "set any key of the study, e.g. --set focus.fixed_D=2; may be repeated")
       ->allow_extra_args(false);
-  addThreadsOption(command, options.threads,
-                   "max number of threads; the frames do not depend on it");
+  addOption(command, "--threads", options.threads, "N",
+            "max number of threads; the frames do not depend on it");
   command.add_flag("--no-cache", options.no_cache,
                    "sample meshes and scans anew; the frames are the same");
   command.add_flag("--json", options.json, "print the summary as JSON");

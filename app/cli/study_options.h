@@ -1,12 +1,10 @@
 // The options that `foci live`, `replay` and `render` share: a study, and what overrides it.
 #pragma once
 
+#include <CLI/CLI.hpp>
+
 #include "app/platform/output_guard.h"
 #include "app/study/study_request.h"
-
-namespace CLI {
-class App;
-}
 
 namespace foci {
 

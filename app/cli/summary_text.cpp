@@ -5,9 +5,6 @@
 namespace foci {
 
 std::string summaryText(const RunSummary& summary) {
-  const auto counted = [](std::size_t count, const std::string& one) {
-    return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
-  };
   std::string text = counted(summary.frames, "frame") + ", " + decimal(summary.duration_s, 2) +
                      " s; " + decimal(100.0 * summary.gaze_valid, 0) +
                      " % of the gaze samples valid; " + counted(summary.fixations, "fixation") +

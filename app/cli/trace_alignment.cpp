@@ -1,12 +1,11 @@
 #include "app/cli/trace_alignment.h"
 
-#include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/cli/option_values.h"
-#include "app/cli/study_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/replay/alignment.h"
@@ -14,6 +13,7 @@
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "app/study/scene_study.h"
+#include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"
 
@@ -53,26 +53,15 @@ nlohmann::ordered_json jsonOf(const AlignmentFit& fit) {
           {"scene_offset_m", {a.offset_m.x, a.offset_m.y, a.offset_m.z}}};
 }
 
-std::string wordOf(AlignmentSearch::Verdict verdict) {
-  using Verdict = AlignmentSearch::Verdict;
-  switch (verdict) {
-    case Verdict::keep:
-      return "keep";
-    case Verdict::propose:
-      return "propose";
-    case Verdict::ambiguous:
-      return "ambiguous";
-    case Verdict::nothing_fits:
-      break;
-  }
-  return "nothing-fits";
-}
+/// In the order of `AlignmentSearch::Verdict`.
+constexpr std::array kVerdicts{"keep", "propose", "ambiguous", "nothing-fits"};
 
 nlohmann::ordered_json jsonOf(const AlignmentSearch& found) {
-  nlohmann::ordered_json json = {{"verdict", wordOf(found.verdict())},
-                                 {"as_it_stands", jsonOf(found.now)},
-                                 {"best", jsonOf(found.best)},
-                                 {"poses_as_good", found.rivals}};
+  nlohmann::ordered_json json = {
+      {"verdict", kVerdicts.at(static_cast<std::size_t>(found.verdict()))},
+      {"as_it_stands", jsonOf(found.now)},
+      {"best", jsonOf(found.best)},
+      {"poses_as_good", found.rivals}};
   if (found.sigma_D > 0.0) json["vergence_error_D"] = found.sigma_D;
   if (found.rival) json["second_best"] = jsonOf(*found.rival);
   for (const AlignmentNeighbour& each : found.neighbours) json["drop"][each.step] = each.drop;
@@ -110,16 +99,13 @@ void print(const AlignmentSearch& found, const Study& study, const std::string& 
 }  // namespace
 
 void addAlignmentOptions(CLI::App& command, AlignmentOptions& options) {
-  command
-      .add_option("--scene", options.scene,
-                  "of a headset's recording: draw it in this scene, and propose offset, scale and "
-                  "rotation about the vertical")
-      ->type_name("FILE");
-  command.add_option("--up", options.up, "upward axis of the scene: x, y or z, or -x, -y or -z")
-      ->type_name("AXIS");
-  command
-      .add_option("--out", options.out, "the drawing in the scene (SVG); default: alignment.svg")
-      ->type_name("FILE.svg");
+  addOption(command, "--scene", options.scene, "FILE",
+            "of a headset's recording: draw it in this scene, and propose offset, scale and "
+            "rotation about the vertical");
+  addOption(command, "--up", options.up, "AXIS",
+            "upward axis of the scene: x, y or z, or -x, -y or -z");
+  addOption(command, "--out", options.out, "FILE.svg",
+            "the drawing in the scene (SVG); default: alignment.svg");
   addOverwriteFlag(command, options.overwrite);
 }
 

@@ -1,4 +1,4 @@
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -11,7 +11,6 @@
 #include "app/cli/trace_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
-#include "app/study/inputs.h"
 #include "app/webcam/watch.h"
 #include "base/input_error.h"
 #include "base/text.h"
@@ -293,11 +292,9 @@ void addTraceCommand(CLI::App& app) {
       "convert",
       "Write the recording as BIDS 1.11: a table and its JSON for each eye, messages, the screen.");
   addOptions(*conversion, *options);
-  conversion
-      ->add_option("--out", options->out,
-                   "table of an eye; foci adds recording-eye1 and recording-eye2 to the "
-                   "name, and writes the JSON files beside it")
-      ->type_name("FILE_physio.tsv.gz")
+  addOption(*conversion, "--out", options->out, "FILE_physio.tsv.gz",
+            "table of an eye; foci adds recording-eye1 and recording-eye2 to the name, and writes "
+            "the JSON files beside it")
       ->required();
   addOverwriteFlag(*conversion, options->overwrite);
   conversion->callback([options] { withTraceHints(*options, [&] { convertTrace(*options); }); });

@@ -1,10 +1,9 @@
 #include "app/cli/trace_options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "app/cli/option_values.h"
 #include "app/study/study.h"
 #include "app/study/study_request.h"
+#include "app/study/study_words.h"
 #include "base/input_error.h"
 #include "base/text.h"
 
@@ -20,35 +19,29 @@ TraceDescription studysDescription(const std::string& file) {
 }
 
 GazeUnits unitsOf(const std::string& name) {
-  if (name == "px") return GazeUnits::px;
-  if (name == "deg") return GazeUnits::deg;
-  if (name == "normalised") return GazeUnits::normalised;
-  if (name == "relative") return GazeUnits::relative;
+  for (const auto& [word, units] : kStudyWords<std::optional<GazeUnits>>) {
+    if (word == name && units) return *units;
+  }
   throw InputError("--units " + name, "expected px, deg, normalised or relative");
 }
 
 }  // namespace
 
 void addTraceOptions(CLI::App& command, TraceOptions& o) {
-  command.add_option("--time", o.columns.time, "name of the time column (gaze.time)")
-      ->type_name("NAME");
-  command.add_option("--x", o.columns.x, "name of the column of horizontal positions (gaze.x)")
-      ->type_name("NAME");
-  command.add_option("--y", o.columns.y, "name of the column of vertical positions (gaze.y)")
-      ->type_name("NAME");
-  command.add_option("--units", o.units, "unit of the positions (gaze.units)")
-      ->type_name("px|deg|normalised|relative");
-  command.add_option("--rows", o.rows, "column and value of the rows to read (gaze.rows)")
-      ->type_name("COLUMN=VALUE");
-  command
-      .add_option("--time-scale-s", o.time_scale_s,
-                  "length of a unit of time, seconds (gaze.time_scale_s)")
-      ->type_name("S");
-  command
-      .add_option("--study", o.study,
-                  "study whose [gaze] describes the recording, and whose [screen] is used if the "
-                  "recording states none")
-      ->type_name("FILE");
+  addOption(command, "--time", o.columns.time, "NAME", "name of the time column (gaze.time)");
+  addOption(command, "--x", o.columns.x, "NAME",
+            "name of the column of horizontal positions (gaze.x)");
+  addOption(command, "--y", o.columns.y, "NAME",
+            "name of the column of vertical positions (gaze.y)");
+  addOption(command, "--units", o.units, "px|deg|normalised|relative",
+            "unit of the positions (gaze.units)");
+  addOption(command, "--rows", o.rows, "COLUMN=VALUE",
+            "column and value of the rows to read (gaze.rows)");
+  addOption(command, "--time-scale-s", o.time_scale_s, "S",
+            "length of a unit of time, seconds (gaze.time_scale_s)");
+  addOption(command, "--study", o.study, "FILE",
+            "study whose [gaze] describes the recording, and whose [screen] is used if the "
+            "recording states none");
   addScreenOptions(command, o.screen);
 }
 
@@ -113,12 +106,11 @@ glm::dvec2 sizeOf(const std::string& option, const std::string& text, double low
 }  // namespace
 
 void addScreenOptions(CLI::App& command, ScreenOptions& options) {
-  command.add_option("--screen-px", options.size_px, "resolution, if the file does not state it")
-      ->type_name("WxH");
-  command.add_option("--screen-m", options.size_m, "size of the visible area, metres")
-      ->type_name("WxH");
-  command.add_option("--distance-m", options.distance_m, "distance from eye to screen, metres")
-      ->type_name("D");
+  addOption(command, "--screen-px", options.size_px, "WxH",
+            "resolution, if the file does not state it");
+  addOption(command, "--screen-m", options.size_m, "WxH", "size of the visible area, metres");
+  addOption(command, "--distance-m", options.distance_m, "D",
+            "distance from eye to screen, metres");
 }
 
 Screen screenOf(const ScreenOptions& options) {

@@ -1,20 +1,13 @@
 // The options that describe a recording: its columns, units and screen.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 
 #include "gaze/events/event_settings.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
-
-namespace CLI {
-class App;
-}
-
-namespace CLI {
-class App;
-}
 
 namespace foci {
 

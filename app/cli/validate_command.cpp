@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
@@ -44,12 +43,9 @@ void addValidateCommand(CLI::App& app) {
       "validate",
       "Compare foci with published measurements of blur, pupil, focus and image quality.\n"
       "Example: foci validate --out out/validation");
-  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the results")->required();
   addOverwriteFlag(*command, options->overwrite);
-  command->callback([options, command] {
-    refuseEmptyValues(*command);
-    runValidate(*options);
-  });
+  onceParsed(*command, [options] { runValidate(*options); });
 }
 
 }  // namespace foci

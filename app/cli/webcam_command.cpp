@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "app/cli/commands.h"
@@ -17,15 +16,12 @@ void addWebcamCommand(CLI::App& app) {
                    "a camera's number, a video, a picture, or a pattern such as eye%04d.png")
       ->required()
       ->type_name("SOURCE");
-  command->add_option("--out", options->out, "write the table to this file (TSV)")
-      ->type_name("FILE");
-  command
-      ->add_option("--overlay", options->overlay,
-                   "draw box, lids, irises and axes of the head over the frames: .mp4, or .png for "
-                   "one picture")
-      ->type_name("FILE");
-  command->add_option("--camera", options->camera, "a calibrated camera (foci calibrate camera)")
-      ->type_name("FILE");
+  addOption(*command, "--out", options->out, "FILE", "write the table to this file (TSV)");
+  addOption(
+      *command, "--overlay", options->overlay, "FILE",
+      "draw box, lids, irises and axes of the head over the frames: .mp4, or .png for one picture");
+  addOption(*command, "--camera", options->camera, "FILE",
+            "a calibrated camera (foci calibrate camera)");
   command->add_flag("--json", options->json, "print the summary as JSON");
   addOverwriteFlag(*command, options->overwrite);
   command->callback([options] { watchWebcam(*options); });

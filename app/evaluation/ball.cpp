@@ -12,7 +12,6 @@
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
-#include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
 namespace {

@@ -1,10 +1,8 @@
 #include "app/evaluation/cells.h"
 
-#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/platform/json_text.h"
@@ -26,12 +24,6 @@ std::optional<std::string> contentOf(const fs::path& file) {
   return std::string{std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string hashOf(const std::string& bytes) {
-  Sha256 hash;
-  hash.add({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
-  return hash.hex();
-}
-
 /// The content of a file with this key, as `parse` reads it.
 template <typename Parse>
 auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
@@ -42,7 +34,7 @@ auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
     Json json = Json::parse(*text);
     const auto sha256 = json.at("own_sha256").get<std::string>();
     json.erase("own_sha256");
-    if (json.at("key") != key || hashOf(json.dump()) != sha256) return std::nullopt;
+    if (json.at("key") != key || sha256Of(json.dump()) != sha256) return std::nullopt;
     return parse(json);
   } catch (const Json::exception&) {
     return std::nullopt;  // another program wrote the file, or it is not complete
@@ -50,7 +42,7 @@ auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
 }
 
 std::string textOf(Json json) {
-  json["own_sha256"] = hashOf(json.dump());
+  json["own_sha256"] = sha256Of(json.dump());
   return json.dump(1) + "\n";
 }
 
@@ -75,15 +67,11 @@ std::optional<ChartCell> ChartCells::load(const std::string& name, const std::st
                    .first_ms = json.at("first_ms")};
     const Json& silhouette = json.at("silhouette_psnr_dB");
     if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberInJson(silhouette);
-    const Json& expected = json.at("expected_error");
-    if (!expected.is_null()) cell.expected_error = expected;
-    const Json& met = json.at("tolerance_met");
-    if (!met.is_null()) cell.tolerance_met = met.get<bool>();
+    json.at("expected_error").get_to(cell.expected_error);
+    json.at("tolerance_met").get_to(cell.tolerance_met);
     const Json& level = json.at("quality_level");
     if (!level.is_null()) cell.quality_level = qualityLevelFrom(level.get<std::string>());
-    for (const auto& [threads, ms] : json.at("ms").items()) {
-      cell.ms[static_cast<unsigned>(std::atoi(threads.c_str()))] = ms.get<std::vector<double>>();
-    }
+    json.at("ms").get_to(cell.ms);
     return cell;
   });
 }
@@ -97,16 +85,13 @@ void ChartCells::store(const std::string& name, const std::string& key,
                {"coverage_error", cell.coverage_error},
                {"visible_error", cell.visible_error},
                {"flip", cell.flip},
-               {"expected_error", nullptr},
-               {"tolerance_met", nullptr},
+               {"expected_error", cell.expected_error},
+               {"tolerance_met", cell.tolerance_met},
                {"quality_level", nullptr},
                {"first_ms", cell.first_ms},
-               {"ms", Json::object()}};
+               {"ms", cell.ms}};
   if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
-  if (cell.expected_error) json["expected_error"] = *cell.expected_error;
-  if (cell.tolerance_met) json["tolerance_met"] = *cell.tolerance_met;
   if (cell.quality_level) json["quality_level"] = textOf(*cell.quality_level);
-  for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
   writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 
@@ -139,7 +124,7 @@ std::optional<ChartReference> ChartCells::loadReference(const std::string& name,
   const auto bytes = contentOf(folder_ / (name + ".rgba"));
   const auto sha256 = parsed(folder_ / (name + ".json"), key_ + key,
                              [](const Json& json) { return json.at("sha256").get<std::string>(); });
-  if (!reference || !bytes || sha256 != hashOf(*bytes)) return std::nullopt;
+  if (!reference || !bytes || sha256 != sha256Of(*bytes)) return std::nullopt;
   Frame& frame = reference->frame;
   frame.rgba.resize(static_cast<std::size_t>(frame.size_px.x) * frame.size_px.y);
   if (bytes->size() != frame.rgba.size() * sizeof frame.rgba[0]) return std::nullopt;
@@ -158,7 +143,7 @@ void ChartCells::storeReference(const std::string& name, const std::string& key,
                      {"split_half_psnr_dB", jsonNumber(reference.split_half_psnr_dB)},
                      {"width_px", frame.size_px.x},
                      {"height_px", frame.size_px.y},
-                     {"sha256", hashOf(bytes)}};
+                     {"sha256", sha256Of(bytes)}};
   writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 

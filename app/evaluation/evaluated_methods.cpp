@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "base/input_error.h"
-#include "render/methods/method.h"
 
 namespace foci {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 #include "app/graphics/html.h"
@@ -33,7 +34,7 @@ Image blank(int size_px) {
 /// light to the power 1/2.2, so that faint light shows.
 std::vector<std::uint8_t> psfPng(const Psf& psf, double* bar_arcmin) {
   const int size = psf.size;
-  const double peak = *std::max_element(psf.light.begin(), psf.light.end());
+  const double peak = std::ranges::max(psf.light);
   Image image = blank(kZoom * size);
   for (int y = 0; y < kZoom * size; ++y) {
     for (int x = 0; x < kZoom * size; ++x) {
@@ -109,41 +110,44 @@ Plot emptyMtfPlot() {
   return plot;
 }
 
+PlotSeries curveOf(const std::string& name, const char* color, const std::vector<double>& x,
+                   const std::vector<double>& y) {
+  PlotSeries series{.name = name, .color = color, .discs = false};
+  for (std::size_t i = 0; i < x.size(); ++i) series.points.push_back({.x = x[i], .y = y[i]});
+  return series;
+}
+
 /// White light, a curve for each field angle.
 Plot fieldMtfPlot(const EyeFigures& eye) {
   constexpr std::array kColors{"#2f8f5b", "#3a78c2", "#d9822b", "#a23b72", "#7a8190", "#5b4b9a"};
   Plot plot = emptyMtfPlot();
   plot.name = "contrast beside the line of sight";
   for (std::size_t k = 0; k < eye.fields.size(); ++k) {
-    PlotSeries series{.name = decimal(eye.fields[k].field_deg, 0) + " deg",
-                      .color = kColors[k % kColors.size()],
-                      .discs = false};
-    for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {
-      series.points.push_back({.x = eye.cycles_per_deg[i], .y = eye.fields[k].white_mtf[i]});
-    }
-    plot.series.push_back(std::move(series));
+    plot.series.push_back(curveOf(decimal(eye.fields[k].field_deg, 0) + " deg",
+                                  kColors[k % kColors.size()], eye.cycles_per_deg,
+                                  eye.fields[k].white_mtf));
   }
   return plot;
 }
 
 Plot mtfPlot(const EyeFigures& eye) {
   Plot plot = emptyMtfPlot();
-  const auto add = [&](const char* name, const char* color, bool dashed, const auto& contrastAt) {
-    PlotSeries series{.name = name, .color = color, .discs = false, .dashed = dashed};
-    for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {
-      series.points.push_back({.x = eye.cycles_per_deg[i], .y = contrastAt(i)});
-    }
-    plot.series.push_back(std::move(series));
+  const std::vector<double>& u = eye.cycles_per_deg;
+  plot.series = {curveOf("white light", "#2f8f5b", u, eye.white_mtf),
+                 curveOf("555 nm", "#3a78c2", u, eye.green_mtf)};
+  const auto addDashed = [&](const char* name, const char* color, const auto& contrastAt) {
+    std::vector<double> contrast;
+    std::ranges::transform(u, std::back_inserter(contrast), contrastAt);
+    plot.series.push_back(curveOf(name, color, u, contrast));
+    plot.series.back().dashed = true;
   };
-  add("white light", "#2f8f5b", false, [&](std::size_t i) { return eye.white_mtf[i]; });
-  add("555 nm", "#3a78c2", false, [&](std::size_t i) { return eye.green_mtf[i]; });
-  add("diffraction", "#7a8190", true, [&](std::size_t i) {
-    return diffractionMtf(eye.pupil.diameter_m, 555e-9, eye.cycles_per_deg[i]);
+  addDashed("diffraction", "#7a8190", [&](double cycles_per_deg) {
+    return diffractionMtf(eye.pupil.diameter_m, 555e-9, cycles_per_deg);
   });
   const double pupil_mm = 1000.0 * eye.pupil.diameter_m;
   if (pupil_mm >= 2.0 && pupil_mm <= 6.0) {
-    add("mean of 200 eyes", "#d9822b", true,
-        [&](std::size_t i) { return meanMtf(pupil_mm, eye.cycles_per_deg[i]); });
+    addDashed("mean of 200 eyes", "#d9822b",
+              [&](double cycles_per_deg) { return meanMtf(pupil_mm, cycles_per_deg); });
   }
   return plot;
 }
@@ -162,14 +166,10 @@ Plot throughFocusPlot(const EyeFigures& eye) {
     plot.x.ticks.push_back({at_D, decimal(at_D, 1)});
     if (at_D > 0.0) plot.x.ticks.push_back({-at_D, decimal(-at_D, 1)});
   }
-  PlotSeries series{.name = "white light", .color = "#2f8f5b"};
-  for (std::size_t i = 0; i < eye.through.defocus_D.size(); ++i) {
-    series.points.push_back({.x = eye.through.defocus_D[i], .y = eye.through.contrast[i]});
-  }
-  plot.series.push_back(std::move(series));
+  plot.series = {curveOf("white light", "#2f8f5b", eye.through.defocus_D, eye.through.contrast)};
+  plot.series.back().discs = true;
   plot.levels.push_back(
-      {kInFocusShare * *std::max_element(eye.through.contrast.begin(), eye.through.contrast.end()),
-       "80 % of the best"});
+      {kInFocusShare * std::ranges::max(eye.through.contrast), "80 % of the best"});
   return plot;
 }
 
@@ -210,6 +210,16 @@ std::string tableOf(const std::vector<EyeFigures>& eyes) {
                        const std::string& unit, double value) {
     text += eye.name + "\t" + what + "\t" + at + "\t" + unit + "\t" + significant(value, 6) + "\n";
   };
+  const auto imageRows = [&](const EyeFigures& eye, const auto& of, const std::string& where) {
+    for (const PointImage& point : of.points) {
+      row(eye, "strehl", where + significant(point.vergence_D, 6) + " D", "", point.strehl);
+    }
+    for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {
+      const std::string at = where + decimal(eye.cycles_per_deg[i], 0) + " cycles/deg";
+      row(eye, "mtf_white", at, "", of.white_mtf[i]);
+      row(eye, "mtf_555nm", at, "", of.green_mtf[i]);
+    }
+  };
   for (const EyeFigures& eye : eyes) {
     row(eye, "pupil", "", "mm", 1000.0 * eye.pupil.diameter_m);
     row(eye, "focus", "", "D", eye.focus_D);
@@ -219,27 +229,13 @@ std::string tableOf(const std::vector<EyeFigures>& eyes) {
         eye.depth.total_D());
     row(eye, "acuity", "5 % contrast", "logMAR", eye.acuity.logMAR());
     row(eye, "acuity", "5 % contrast", "cycles/deg", eye.acuity.cycles_per_deg);
-    for (const PointImage& point : eye.points) {
-      row(eye, "strehl", significant(point.vergence_D, 6) + " D", "", point.strehl);
-    }
-    for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {
-      const std::string at = decimal(eye.cycles_per_deg[i], 0) + " cycles/deg";
-      row(eye, "mtf_white", at, "", eye.white_mtf[i]);
-      row(eye, "mtf_555nm", at, "", eye.green_mtf[i]);
-    }
+    imageRows(eye, eye, "");
     for (const FieldFigures& field : eye.fields) {
       const std::string at = significant(field.field_deg, 6) + " deg";
       row(eye, "field_M", at, "D", field.power_D.x);
       row(eye, "field_J0", at, "D", field.power_D.y);
       row(eye, "field_pupil_aspect", at, "", field.aspect);
-      for (const PointImage& point : field.points) {
-        row(eye, "strehl", at + ", " + significant(point.vergence_D, 6) + " D", "", point.strehl);
-      }
-      for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {
-        const std::string u = at + ", " + decimal(eye.cycles_per_deg[i], 0) + " cycles/deg";
-        row(eye, "mtf_white", u, "", field.white_mtf[i]);
-        row(eye, "mtf_555nm", u, "", field.green_mtf[i]);
-      }
+      imageRows(eye, field, at + ", ");
     }
     for (std::size_t i = 0; i < eye.through.defocus_D.size(); ++i) {
       row(eye, "through_focus", decimal(eye.through.defocus_D[i], 2) + " D", "",
@@ -348,8 +344,7 @@ std::vector<EyeFigures> reportEye(const Study& study, const EyeRequest& request,
   page << pageStart("foci eye", kEyeStyle) << "<h1>The eye of " << escaped(study.file.string())
        << "</h1>\n<p>This page shows the eye by Fourier optics from the "
           "observer's pupil, focus, refraction and wavefront. Each image of a point is scaled to "
-          "its "
-          "own peak. Its brightness is the light to the power 1/2.2, so that faint light "
+          "its own peak. Its brightness is the light to the power 1/2.2, so that faint light "
           "shows.</p>\n";
   for (const EyeFigures& eye : eyes) writeEye(page, eye, files);
   page << "<p class=\"quiet\">Depth of focus is the range in which contrast at 10 cycles/deg, in "

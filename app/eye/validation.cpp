@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include "app/eye/visual_quality.h"
 #include "app/eye/wide_angle_eye.h"
@@ -23,6 +24,20 @@ namespace foci {
 namespace {
 
 using Figures = std::vector<ValidationFigure>;
+
+struct Published {
+  double value = 0.0, tolerance = 0.0;
+};
+
+/// Adds a figure of a kind: `kind` but for what it was measured under, its bounds and the value.
+void addFigure(Figures& figures, ValidationFigure kind, const std::string& what,
+               const Published& published, double value) {
+  kind.what = what;
+  kind.expected = published.value;
+  kind.tolerance = published.tolerance;
+  kind.value = value;
+  figures.push_back(std::move(kind));
+}
 
 /// Diameter, arcmin, of the disc that spreads light as far as a rendered point of light: four times
 /// the standard deviation, beyond that of the sharp point.
@@ -54,75 +69,64 @@ double renderedBlur_arcmin(double pupil_m, double defocus_D) {
 }
 
 void addBlur(Figures& figures) {
+  const ValidationFigure kind{
+      .group = "Blur disc of a rendered point of light",
+      .unit = "arcmin",
+      .source = "Smith 1982: pupil times defocus, 3.4377 arcmin for each mm and D"};
   for (const double pupil_mm : {2.0, 4.0, 6.0}) {
     for (const double defocus_D : {0.5, 1.0, 2.0}) {
       const double expected = pupil_mm * 1e-3 * defocus_D / kArcmin_rad;
-      figures.push_back(
-          {.group = "Blur disc of a rendered point of light",
-           .what = decimal(pupil_mm, 0) + " mm, " + decimal(defocus_D, 1) + " D",
-           .unit = "arcmin",
-           .source = "Smith 1982: pupil times defocus, 3.4377 arcmin for each mm and D",
-           .expected = expected,
-           .tolerance = 0.02 * expected,
-           .value = renderedBlur_arcmin(pupil_mm * 1e-3, defocus_D)});
+      addFigure(figures, kind, decimal(pupil_mm, 0) + " mm, " + decimal(defocus_D, 1) + " D",
+                {expected, 0.02 * expected}, renderedBlur_arcmin(pupil_mm * 1e-3, defocus_D));
     }
   }
 }
 
 void addChromatic(Figures& figures) {
-  figures.push_back({.group = "Chromatic difference of refraction",
-                     .what = "400 nm less 589 nm",
-                     .unit = "D",
-                     .source = "Thibos, Ye, Zhang and Bradley 1992, the Indiana eye",
-                     .expected = -1.72,
-                     .tolerance = 0.02,
-                     .value = chromaticDifference_D(0.589) - chromaticDifference_D(0.400)});
+  ValidationFigure kind{.group = "Chromatic difference of refraction",
+                        .unit = "D",
+                        .source = "Thibos, Ye, Zhang and Bradley 1992, the Indiana eye"};
+  addFigure(figures, kind, "400 nm less 589 nm", {-1.72, 0.02},
+            chromaticDifference_D(0.589) - chromaticDifference_D(0.400));
   // The other published formula, of another eye model and other data.
+  kind.source = "Atchison and Smith 2005, Cauchy's equation for the eye";
   for (const double nm : {450.0, 500.0, 650.0}) {
     const auto atchison_D = [](double wave_nm) {
       return 1.60911 - 6.70941e5 / (wave_nm * wave_nm) + 5.55334e10 / std::pow(wave_nm, 4) -
              5.59998e15 / std::pow(wave_nm, 6);
     };
-    figures.push_back({.group = "Chromatic difference of refraction",
-                       .what = decimal(nm, 0) + " nm less 589 nm",
-                       .unit = "D",
-                       .source = "Atchison and Smith 2005, Cauchy's equation for the eye",
-                       .expected = atchison_D(nm) - atchison_D(589.0),
-                       .tolerance = 0.1,
-                       .value = chromaticDifference_D(0.589) - chromaticDifference_D(1e-3 * nm)});
+    addFigure(figures, kind, decimal(nm, 0) + " nm less 589 nm",
+              {atchison_D(nm) - atchison_D(589.0), 0.1},
+              chromaticDifference_D(0.589) - chromaticDifference_D(1e-3 * nm));
   }
 }
 
 void addPupils(Figures& figures) {
+  const ValidationFigure kind{.group = "Pupil diameter, field of 60 deg, 30 years",
+                              .unit = "mm",
+                              .source = "Watson and Yellott 2012"};
   const std::array luminances_cd_m2{0.01, 1.0, 10.0, 100.0, 1000.0};
   const std::array expected_mm{7.05, 5.12, 3.83, 2.89, 2.38};
   for (std::size_t i = 0; i < expected_mm.size(); ++i) {
-    figures.push_back({.group = "Pupil diameter, field of 60 deg, 30 years",
-                       .what = significant(luminances_cd_m2[i]) + " cd/m^2",
-                       .unit = "mm",
-                       .source = "Watson and Yellott 2012",
-                       .expected = expected_mm[i],
-                       .tolerance = 0.01,
-                       .value = pupilDiameter_mm({.luminance_cd_m2 = luminances_cd_m2[i],
-                                                  .area_deg2 = std::numbers::pi * 30.0 * 30.0})});
+    addFigure(figures, kind, significant(luminances_cd_m2[i]) + " cd/m^2", {expected_mm[i], 0.01},
+              pupilDiameter_mm({.luminance_cd_m2 = luminances_cd_m2[i],
+                                .area_deg2 = std::numbers::pi * 30.0 * 30.0}));
   }
 }
 
 /// The pupil as seen from the side: the schematic eye against photographs of 30 eyes, the mean of
 /// both sides of their function 0.99 cos((angle + 5.3 deg) / 1.121).
 void addPupilShapes(Figures& figures) {
+  const ValidationFigure kind{.group = "Width over height of the pupil beside the line of sight",
+                              .unit = "",
+                              .source = "Mathur, Gehrmann and Atchison 2013, mean of 30 eyes",
+                              .digits = 3};
   for (const double field_deg : {20.0, 40.0, 60.0}) {
     const auto side = [&](double deg) {
       return 0.5 * 0.99 * std::cos((deg + 5.3) / 1.121 * std::numbers::pi / 180.0);
     };
-    figures.push_back({.group = "Width over height of the pupil beside the line of sight",
-                       .what = decimal(field_deg, 0) + " deg",
-                       .unit = "",
-                       .source = "Mathur, Gehrmann and Atchison 2013, mean of 30 eyes",
-                       .expected = side(field_deg) + side(-field_deg),
-                       .tolerance = 0.05,
-                       .value = fieldOfEye(field_deg, 4e-3).pupil_aspect,
-                       .digits = 3});
+    addFigure(figures, kind, decimal(field_deg, 0) + " deg",
+              {side(field_deg) + side(-field_deg), 0.05}, fieldOfEye(field_deg, 4e-3).pupil_aspect);
   }
 }
 
@@ -180,113 +184,95 @@ glm::dvec2 renderedPower_D(const FieldPoint& at) {
 
 /// What ten eyes have beside the fovea, and what a rendered point of light shows there.
 void addFields(Figures& figures) {
-  struct Published {
+  struct Measured {
     FieldPoint at;
-    glm::dvec2 sphere_D, astigmatism_D;  ///< power; along the meridian less across it; their bounds
+    Published sphere_D, astigmatism_D;  ///< power; along the meridian less across it; their bounds
   };
   // Medians of the ten eyes, each relative to its median within 5 degrees of the fovea, and twice
   // their standard errors, without outliers (tests/field/fit_field.py). At the gaze all is 0.
-  const std::vector<Published> published{{{0, 0, "at the gaze"}, {0.0, 0.02}, {0.0, 0.02}},
-                                         {{10, 0, "10 deg temporal"}, {0.14, 0.35}, {0.18, 0.22}},
-                                         {{20, 0, "20 deg temporal"}, {0.15, 0.42}, {0.74, 0.28}},
-                                         {{30, 0, "30 deg temporal"}, {0.27, 0.42}, {1.66, 0.45}},
-                                         {{40, 0, "40 deg temporal"}, {0.44, 0.75}, {2.97, 0.59}},
-                                         {{-10, 0, "10 deg nasal"}, {0.22, 0.27}, {0.32, 0.18}},
-                                         {{-20, 0, "20 deg nasal"}, {0.69, 0.30}, {1.20, 0.23}},
-                                         {{-30, 0, "30 deg nasal"}, {1.04, 0.60}, {2.49, 0.31}},
-                                         {{-40, 0, "40 deg nasal"}, {1.15, 0.97}, {4.42, 0.45}},
-                                         {{0, 10, "10 deg up"}, {0.47, 0.25}, {0.25, 0.12}},
-                                         {{0, 20, "20 deg up"}, {0.83, 0.45}, {1.14, 0.30}},
-                                         {{0, 25, "25 deg up"}, {0.94, 0.58}, {1.56, 0.39}},
-                                         {{0, -10, "10 deg down"}, {0.07, 0.16}, {0.18, 0.13}},
-                                         {{0, -20, "20 deg down"}, {0.43, 0.44}, {0.85, 0.29}},
-                                         {{0, -25, "25 deg down"}, {0.53, 0.61}, {1.34, 0.36}}};
-  const std::string source = "Polans and others 2015, median of 10 eyes";
+  const std::vector<Measured> measured{{{0, 0, "at the gaze"}, {0.0, 0.02}, {0.0, 0.02}},
+                                       {{10, 0, "10 deg temporal"}, {0.14, 0.35}, {0.18, 0.22}},
+                                       {{20, 0, "20 deg temporal"}, {0.15, 0.42}, {0.74, 0.28}},
+                                       {{30, 0, "30 deg temporal"}, {0.27, 0.42}, {1.66, 0.45}},
+                                       {{40, 0, "40 deg temporal"}, {0.44, 0.75}, {2.97, 0.59}},
+                                       {{-10, 0, "10 deg nasal"}, {0.22, 0.27}, {0.32, 0.18}},
+                                       {{-20, 0, "20 deg nasal"}, {0.69, 0.30}, {1.20, 0.23}},
+                                       {{-30, 0, "30 deg nasal"}, {1.04, 0.60}, {2.49, 0.31}},
+                                       {{-40, 0, "40 deg nasal"}, {1.15, 0.97}, {4.42, 0.45}},
+                                       {{0, 10, "10 deg up"}, {0.47, 0.25}, {0.25, 0.12}},
+                                       {{0, 20, "20 deg up"}, {0.83, 0.45}, {1.14, 0.30}},
+                                       {{0, 25, "25 deg up"}, {0.94, 0.58}, {1.56, 0.39}},
+                                       {{0, -10, "10 deg down"}, {0.07, 0.16}, {0.18, 0.13}},
+                                       {{0, -20, "20 deg down"}, {0.43, 0.44}, {0.85, 0.29}},
+                                       {{0, -25, "25 deg down"}, {0.53, 0.61}, {1.34, 0.36}}};
+  const ValidationFigure sphere{
+      .group = "Relative refraction of a rendered point of light, as power",
+      .unit = "D",
+      .source = "Polans and others 2015, median of 10 eyes"};
+  ValidationFigure astigmatism = sphere;
+  astigmatism.group = "Astigmatism of a rendered point of light, along its meridian";
   std::vector<double> horizontal_D;  // astigmatism, temporal then nasal
-  for (const Published& each : published) {
+  for (const Measured& each : measured) {
     const glm::dvec2 power_D = renderedPower_D(each.at);
     const double astigmatism_D =
         each.at.up_deg == 0.0 ? power_D.x - power_D.y : power_D.y - power_D.x;
     if (each.at.temporal_deg != 0.0) horizontal_D.push_back(astigmatism_D);
-    figures.push_back({.group = "Relative refraction of a rendered point of light, as power",
-                       .what = each.at.what,
-                       .unit = "D",
-                       .source = source,
-                       .expected = each.sphere_D[0],
-                       .tolerance = each.sphere_D[1],
-                       .value = 0.5 * (power_D.x + power_D.y)});
-    figures.push_back({.group = "Astigmatism of a rendered point of light, along its meridian",
-                       .what = each.at.what,
-                       .unit = "D",
-                       .source = source,
-                       .expected = each.astigmatism_D[0],
-                       .tolerance = each.astigmatism_D[1],
-                       .value = astigmatism_D});
+    addFigure(figures, sphere, each.at.what, each.sphere_D, 0.5 * (power_D.x + power_D.y));
+    addFigure(figures, astigmatism, each.at.what, each.astigmatism_D, astigmatism_D);
   }
   // Twice the standard error of the ten eyes' median. From 30 degrees on, their own medians, 2.06
   // and 3.47 D, lie outside.
+  astigmatism.source = "Escudero-Sanz and Navarro 1999, the wide-angle eye";
   const std::array bounds_D{0.15, 0.23, 0.26};
   for (const std::size_t i : {1u, 2u, 3u}) {
     const double deg = 10.0 * static_cast<double>(i + 1);
-    figures.push_back({.group = "Astigmatism of a rendered point of light, along its meridian",
-                       .what = decimal(deg, 0) + " deg, mean of both sides",
-                       .unit = "D",
-                       .source = "Escudero-Sanz and Navarro 1999, the wide-angle eye",
-                       .expected = 2.0 * power_D(fieldOfEye(deg, 4e-3).added).y,
-                       .tolerance = bounds_D[i - 1],
-                       .value = 0.5 * (horizontal_D[i] + horizontal_D[i + 4]),
-                       .known_miss = i == 1 ? "" : "the ten measured eyes have less, too"});
+    astigmatism.known_miss = i == 1 ? "" : "the ten measured eyes have less, too";
+    addFigure(figures, astigmatism, decimal(deg, 0) + " deg, mean of both sides",
+              {2.0 * power_D(fieldOfEye(deg, 4e-3).added).y, bounds_D[i - 1]},
+              0.5 * (horizontal_D[i] + horizontal_D[i + 4]));
   }
   // Astigmatism is quadratic about its axis: a (x - x0)^2.
   const double sum = horizontal_D[2] + horizontal_D[6], apart = horizontal_D[6] - horizontal_D[2];
-  figures.push_back({.group = "Axis of least astigmatism, of rendered points of light",
-                     .what = "temporal of the line of sight",
-                     .unit = "deg",
-                     .source = "Atchison, Mathur, Suheimat and Charman 2014; Liu and Thibos 2017",
-                     .expected = 4.8,
-                     .tolerance = 2.0,
-                     .value = 30.0 * apart / (2.0 * sum),
-                     .digits = 1});
+  addFigure(figures,
+            {.group = "Axis of least astigmatism, of rendered points of light",
+             .unit = "deg",
+             .source = "Atchison, Mathur, Suheimat and Charman 2014; Liu and Thibos 2017",
+             .digits = 1},
+            "temporal of the line of sight", {4.8, 2.0}, 30.0 * apart / (2.0 * sum));
 }
 
 void addMtf(Figures& figures, Progress& progress, std::size_t& done) {
   const std::array expected{0.657, 0.563, 0.427, 0.295, 0.205};
-  for (int mm = 2; mm <= 6; ++mm) {
-    figures.push_back({.group = "Mean MTF at 10 cycles/deg, the formula",
-                       .what = std::to_string(mm) + " mm",
-                       .unit = "",
-                       .source = "Watson 2013",
-                       .expected = expected[static_cast<std::size_t>(mm - 2)],
-                       .tolerance = 0.001,
-                       .value = meanMtf(mm, 10.0),
-                       .digits = 3});
+  const ValidationFigure formula{.group = "Mean MTF at 10 cycles/deg, the formula",
+                                 .unit = "",
+                                 .source = "Watson 2013",
+                                 .digits = 3};
+  const ValidationFigure refracted{
+      .group = "Mean MTF at 10 cycles/deg of typical eyes behind the glasses of a refraction",
+      .unit = "",
+      .source = "Watson 2013, mean of 200 eyes behind such glasses",
+      .digits = 3};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const double mm = static_cast<double>(i + 2);
+    addFigure(figures, formula, decimal(mm, 0) + " mm", {expected[i], 0.001}, meanMtf(mm, 10.0));
   }
-  for (int mm = 2; mm <= 6; ++mm) {
-    figures.push_back(
-        {.group = "Mean MTF at 10 cycles/deg of typical eyes behind the glasses of a refraction",
-         .what = std::to_string(mm) + " mm",
-         .unit = "",
-         .source = "Watson 2013, mean of 200 eyes behind such glasses",
-         .expected = expected[static_cast<std::size_t>(mm - 2)],
-         .tolerance = 0.03,
-         .value = refractedContrast(mm * 1e-3, 10.0),
-         .digits = 3});
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const double mm = static_cast<double>(i + 2);
+    addFigure(figures, refracted, decimal(mm, 0) + " mm", {expected[i], 0.03},
+              refractedContrast(mm * 1e-3, 10.0));
     progress.advance(++done);
   }
 }
 
 void addDepthOfFocus(Figures& figures, Progress& progress, std::size_t& done) {
+  const ValidationFigure kind{
+      .group = "Total depth of focus: contrast at 10 cycles/deg falls to 80 %",
+      .unit = "D",
+      .source = "Atchison, Charman and Woods 1997"};
   const std::array pupils_mm{2.0, 4.0, 6.0}, expected_D{0.86, 0.59, 0.55};
   for (std::size_t i = 0; i < pupils_mm.size(); ++i) {
-    figures.push_back(
-        {.group = "Total depth of focus: contrast at 10 cycles/deg falls to 80 %",
-         .what = decimal(pupils_mm[i], 0) + " mm",
-         .unit = "D",
-         .source = "Atchison, Charman and Woods 1997",
-         .expected = expected_D[i],
-         .tolerance = 0.15,
-         .value =
-             depthOfFocus(throughFocus(typicalPupil(1e-3 * pupils_mm[i]), 0.8, 0.1)).total_D()});
+    addFigure(figures, kind, decimal(pupils_mm[i], 0) + " mm", {expected_D[i], 0.15},
+              depthOfFocus(throughFocus(typicalPupil(1e-3 * pupils_mm[i]), 0.8, 0.1)).total_D());
     progress.advance(++done);
   }
 }
@@ -302,36 +288,25 @@ double responseTime_s(double from_D, double to_D, double share) {
 }
 
 void addAccommodation(Figures& figures) {
-  const std::string source = "Campbell and Westheimer 1960";
+  const ValidationFigure step{.group = "Accommodation to a step of 2 D",
+                              .unit = "s",
+                              .source = "Campbell and Westheimer 1960"};
   for (const bool nearer : {true, false}) {
     const double from_D = nearer ? 0.5 : 2.5, to_D = 3.0 - from_D;
     const double latency_s = responseTime_s(from_D, to_D, 1e-6);
     const std::string way = nearer ? "far to near" : "near to far";
-    figures.push_back({.group = "Accommodation to a step of 2 D",
-                       .what = "latency, " + way,
-                       .unit = "s",
-                       .source = source,
-                       .expected = nearer ? 0.36 : 0.38,
-                       .tolerance = 0.09,
-                       .value = latency_s});
-    figures.push_back({.group = "Accommodation to a step of 2 D",
-                       .what = "95 % of the response after its start, " + way,
-                       .unit = "s",
-                       .source = source,
-                       .expected = nearer ? 0.64 : 0.56,
-                       .tolerance = 0.15,
-                       .value = responseTime_s(from_D, to_D, 0.95) - latency_s});
+    addFigure(figures, step, "latency, " + way, {nearer ? 0.36 : 0.38, 0.09}, latency_s);
+    addFigure(figures, step, "95 % of the response after its start, " + way,
+              {nearer ? 0.64 : 0.56, 0.15}, responseTime_s(from_D, to_D, 0.95) - latency_s);
   }
+  const ValidationFigure lag{.group = "Lag of accommodation, focus.lag = true",
+                             .unit = "D",
+                             .source = "Seidemann and Schaeffel 2003"};
   const std::array lags_D{0.35, 0.48, 0.60};
   for (std::size_t i = 0; i < lags_D.size(); ++i) {
     const double target_D = 3.0 + static_cast<double>(i);
-    figures.push_back({.group = "Lag of accommodation, focus.lag = true",
-                       .what = decimal(target_D, 0) + " D",
-                       .unit = "D",
-                       .source = "Seidemann and Schaeffel 2003",
-                       .expected = lags_D[i],
-                       .tolerance = 0.005,
-                       .value = target_D - reachableFocus_D({.lag = true}, target_D)});
+    addFigure(figures, lag, decimal(target_D, 0) + " D", {lags_D[i], 0.005},
+              target_D - reachableFocus_D({.lag = true}, target_D));
   }
 }
 
@@ -372,8 +347,7 @@ std::string dotOf(const ValidationFigure& figure) {
   const double at = 66.0 + 50.0 * std::clamp(std::isfinite(off) ? off : 2.0, -1.2, 1.2);
   return "<svg viewBox=\"0 0 132 16\" role=\"img\" aria-label=\"" + decimal(off, 2) +
          " of the tolerance\"><path d=\"M16 8H116M16 4V12M116 4V12M66 5V11\" "
-         "stroke=\"currentColor\" "
-         "opacity=\".45\" fill=\"none\"/><circle cx=\"" +
+         "stroke=\"currentColor\" opacity=\".45\" fill=\"none\"/><circle cx=\"" +
          decimal(at, 1) + "\" cy=\"8\" r=\"4\" fill=\"" +
          (figure.inBounds() ? "#2f8f5b" : "#c0392b") + "\"/></svg>";
 }
@@ -403,8 +377,7 @@ std::string validationPage(const std::vector<ValidationFigure>& figures) {
                      (known == 0 ? "." : " but " + std::to_string(known) + " known misses.")
                : "<span class=\"out\">" + std::to_string(out_of_bounds) + " out of bounds.</span>")
        << " The ends of each line are the bounds, the tick in its middle is the published value, "
-          "and "
-          "the dot is the value here.</p>\n";
+          "and the dot is the value here.</p>\n";
   std::string group;
   for (const ValidationFigure& one : figures) {
     if (one.group != group) {

@@ -10,8 +10,8 @@
 namespace foci {
 
 struct ValidationFigure {
-  std::string group;  ///< what is validated
-  std::string what;   ///< under which conditions
+  std::string group;      ///< what is validated
+  std::string what = {};  ///< under which conditions
   std::string unit;
   std::string source;  ///< publication
   double expected = 0.0, tolerance = 0.0, value = 0.0;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <complex>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <opencv2/core.hpp>
 #include <utility>
@@ -41,8 +40,7 @@ double focusReach_D(double pupil_m) { return std::clamp(5e-3 / pupil_m, 0.6, 5.0
 DepthOfFocus depthOfFocus(const ThroughFocus& through) {
   bool complete = true;
   const std::vector<double>& contrast = through.contrast;
-  const auto best = static_cast<std::size_t>(std::max_element(contrast.begin(), contrast.end()) -
-                                             contrast.begin());
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(contrast) - contrast.begin());
   const double limit = kInFocusShare * contrast[best];
   // Linear between the two steps that the limit lies between.
   const auto edge = [&](int direction) {
@@ -118,9 +116,6 @@ constexpr double kDeg_rad = std::numbers::pi / 180.0;
 
 /// Fine samples lie this many times denser than light of a coherent pupil needs, lambda / A.
 constexpr double kDenser = 2.5;
-
-/// Samples of a bell's standard deviation.
-constexpr double kPerPixel = 5.0;
 
 /// Width of the field around geometric blur, in lambda / A; the pupil is as many cells wide.
 constexpr double kRings = 64.0;
@@ -343,37 +338,6 @@ Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {
     }
   }
   return psf;
-}
-
-Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, int size) {
-  const double radius_px = std::sqrt(8.0) * sigma_px;
-  int finer =
-      static_cast<int>(std::ceil(pixel_rad * kDenser * eye.pupil.diameter_m / eye.wavelength_m));
-  finer = std::max(finer, static_cast<int>(std::ceil(kPerPixel / sigma_px)));
-  finer += 1 - finer % 2;
-  const int reach = static_cast<int>(std::ceil(radius_px * finer));
-  const int margin = 2 * ((reach + finer - 1) / finer);
-  const Psf fine = fourierPsf(eye, pixel_rad / finer, (size + margin) * finer);
-  cv::Mat bell = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_64F);
-  for (int y = -reach; y <= reach; ++y) {
-    for (int x = -reach; x <= reach; ++x) {
-      const double t = 1.0 - (x * x + y * y) / std::pow(radius_px * finer, 2);
-      if (t > 0.0) bell.at<double>(y + reach, x + reach) = t * t;
-    }
-  }
-  bell *= static_cast<double>(finer) * finer /
-          cv::sum(bell)[0];  // density of light, times the pixel's area
-  const cv::Mat light(fine.size, fine.size, CV_64F, const_cast<double*>(fine.light.data()));
-  Psf seen{.size = size, .sample_rad = pixel_rad};
-  seen.light.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  for (int row = 0; row < size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const int x = fine.size / 2 + (column - size / 2) * finer - reach;
-      const int y = fine.size / 2 + (row - size / 2) * finer - reach;
-      seen.light.push_back(light(cv::Rect(x, y, bell.cols, bell.rows)).dot(bell));
-    }
-  }
-  return seen;
 }
 
 std::vector<double> radialMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg) {

@@ -1,7 +1,7 @@
 // How well an eye sees: its depth of focus, its acuity, and what observers have on average.
 // The eye's image of a point of light by Fourier optics (Goodman, Introduction to Fourier Optics,
 // 3rd edition, 2005, chapter 6). It shares nothing with the renderer but the wavefront, and is what
-// splatted images are held against.
+// tests hold splatted images against.
 #pragma once
 
 #include <numbers>
@@ -40,11 +40,6 @@ struct Psf {
 /// @param sample_rad  side of a sample, over which light is summed
 /// @param size        samples along a side; light beyond them is lost
 Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size);
-
-/// The same as seen through the pixels of foci: spread by the bell (1 - r^2 / (8 sigma^2))^2, of
-/// the standard deviation `sigma_px` along each axis (docs/formulas.md, section 3), and taken at
-/// the middles of pixels of `pixel_rad`.
-Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, int size);
 
 /// Contrast that a grating keeps, the mean of the OTF's modulus over all orientations.
 std::vector<double> radialMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg);

@@ -1,9 +1,7 @@
 #include "app/graphics/color_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <cstdio>
 
 #include "base/text.h"
 
@@ -38,10 +36,8 @@ glm::vec3 colorAt(ColorMap map, float share) {
 }
 
 std::string hexOf(const glm::vec3& code) {
-  char text[8];
   const glm::uvec3 byte(glm::round(255.0f * glm::clamp(code, 0.0f, 1.0f)));
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", byte.r, byte.g, byte.b);
-  return text;
+  return printed("#%02x%02x%02x", byte.r, byte.g, byte.b);
 }
 
 glm::vec3 heatAt(ColorMap map, float share, float grey) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "app/graphics/html.h"
-#include "app/platform/gnuplot.h"
 #include "base/text.h"
 
 namespace foci {

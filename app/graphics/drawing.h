@@ -1,7 +1,6 @@
 // Lines, discs and texts, written as SVG for a page or as a PNG file.
 #pragma once
 
-#include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>

@@ -1,10 +1,6 @@
 #include "app/graphics/figure.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "app/graphics/html.h"
-#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -24,17 +20,15 @@ std::string terminalOf(const FigureStyle& style) {
   const glm::dvec2 size = unitsPerPoint(style) * style.size_pt();
   const std::string font = decimal(style.font_pt, 2) + "'";
   const std::string units = decimal(size.x, 0) + "," + decimal(size.y, 0);
-  switch (style.format) {
-    case FigureFormat::svg:
-      return "svg size " + units + " dynamic standalone font 'sans-serif," + font + " name 'foci'";
-    case FigureFormat::pdf:  // its letters are 4/3 of what they are said to be
-      return "pdfcairo size " + decimal(0.1 * style.width_mm, 3) + "cm," +
-             decimal(0.1 * style.height_mm, 3) + "cm fontscale 0.75 font 'Sans," + font;
-    case FigureFormat::png:
-      return "pngcairo size " + units + " fontscale " + decimal(style.dpi / 96.0, 4) +
-             " font 'Sans," + font;
+  if (style.format == FigureFormat::svg) {
+    return "svg size " + units + " dynamic standalone font 'sans-serif," + font + " name 'foci'";
   }
-  return "";
+  if (style.format == FigureFormat::pdf) {  // its letters are 4/3 of what they are said to be
+    return "pdfcairo size " + decimal(0.1 * style.width_mm, 3) + "cm," +
+           decimal(0.1 * style.height_mm, 3) + "cm fontscale 0.75 font 'Sans," + font;
+  }
+  return "pngcairo size " + units + " fontscale " + decimal(style.dpi / 96.0, 4) + " font 'Sans," +
+         font;
 }
 
 void replaceText(std::string& text, const std::string& from, const std::string& to) {
@@ -163,8 +157,7 @@ std::string pictureScript(const FigureStyle& style, const FigurePicture& picture
   script += "plot '-' binary array=(" + std::to_string(image_px.x) + "," +
             std::to_string(image_px.y) + ") dx=" + exactText(step.x) + " dy=" + exactText(step.y) +
             " origin=(" + pair(0.5 * step.x, 0.5 * step.y) +
-            ") format='%uchar' using 1:2:3 with rgbimage notitle, "
-            "NaN with points palette notitle" +
+            ") format='%uchar' using 1:2:3 with rgbimage notitle, NaN with points palette notitle" +
             picture.plots + "\n";
   script.append(picture.image.rgb.begin(), picture.image.rgb.end());
   return script;

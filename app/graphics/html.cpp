@@ -1,6 +1,7 @@
 #include "app/graphics/html.h"
 
 #include <cctype>
+#include <map>
 #include <sstream>
 
 #include "base/base64.h"
@@ -48,54 +49,32 @@ std::string pageStart(const std::string& title, const std::string& style, const 
 }
 
 std::string escaped(const std::string& text) {
+  static const std::map<char, const char*> kEntities{
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
   std::string html;
   for (const char c : visible(text)) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      case '\'':
-        html += "&#39;";
-        break;
-      default:
-        html += c;
-    }
+    const auto entity = kEntities.find(c);
+    html += entity == kEntities.end() ? std::string(1, c) : entity->second;
   }
   return html;
 }
 
 std::string hrefOf(const std::string& file) {
-  constexpr const char* kHex = "0123456789ABCDEF";
   std::string link;
   for (const char c : file) {
     const auto byte = static_cast<unsigned char>(c);
     const bool plain =
         (byte < 0x80 && std::isalnum(byte) != 0) || c == '-' || c == '_' || c == '.' || c == '/';
-    if (plain) {
-      link += c;
-    } else {
-      link += '%';
-      link += kHex[byte >> 4U];
-      link += kHex[byte & 15U];
-    }
+    link += plain ? std::string(1, c) : printed("%%%02X", byte);
   }
   return link;
 }
 
-std::string jpegUri(const std::vector<std::uint8_t>& jpeg) {
+std::string imageUri(const std::vector<std::uint8_t>& bytes, const std::string& type) {
   std::ostringstream out;
-  out << "data:image/jpeg;base64,";
+  out << "data:image/" << type << ";base64,";
   Base64 base64(out);
-  base64.add(jpeg.data(), jpeg.size());
+  base64.add(bytes.data(), bytes.size());
   base64.finish();
   return out.str();
 }

@@ -25,8 +25,9 @@ std::string escaped(const std::string& text);
 /// A relative path as a link (RFC 3986): the value of an attribute, without quotes.
 std::string hrefOf(const std::string& file);
 
-/// The bytes of a JPEG file as the address of an image (RFC 2397): the value of an attribute.
-std::string jpegUri(const std::vector<std::uint8_t>& jpeg);
+/// The bytes of an image file as its address (RFC 2397): the value of an attribute.
+/// @param type  "jpeg" or "png"
+std::string imageUri(const std::vector<std::uint8_t>& bytes, const std::string& type = "jpeg");
 
 /// Texts that the reader should know first, each in a paragraph that stands out. Plain text.
 std::string noticesOf(const std::vector<std::string>& texts);

@@ -94,7 +94,7 @@ void placeLabel(const glm::dvec2& at, const PlotPoint& point, const std::string&
         box.high.y > area.high.y) {
       continue;
     }
-    if (std::any_of(taken.begin(), taken.end(), [&](const Box& one) { return one.meets(box); })) {
+    if (std::ranges::any_of(taken, [&](const Box& one) { return one.meets(box); })) {
       continue;
     }
     taken.push_back(box);
@@ -209,8 +209,7 @@ void drawLevel(const PlotLevel& level, const Area& area, std::vector<Box>& taken
   for (const glm::dvec2& start : {glm::dvec2(right, y - 4.0), glm::dvec2(right, y + 12.0),
                                   glm::dvec2(left, y - 4.0), glm::dvec2(left, y + 12.0)}) {
     words = {start - glm::dvec2(0.0, kLabel_px), start + glm::dvec2(width, 2.0)};
-    if (std::none_of(taken.begin(), taken.end(),
-                     [&](const Box& one) { return one.meets(words); })) {
+    if (std::ranges::none_of(taken, [&](const Box& one) { return one.meets(words); })) {
       break;
     }
   }
@@ -242,8 +241,7 @@ void drawEndLabels(const Area& area, Drawing& drawing) {
   for (const PlotSeries& series : area.plot.series) {
     if (!series.points.empty()) names.emplace_back(area.at(series.points.back()).y, &series);
   }
-  std::sort(names.begin(), names.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::sort(names, [](const auto& a, const auto& b) { return a.first < b.first; });
   double free_y = 0.0;
   for (auto& [y, series] : names) {
     y = std::max(y, free_y);

@@ -11,7 +11,6 @@
 #include <glm/gtc/constants.hpp>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "base/input_error.h"
 
@@ -94,8 +93,7 @@ struct Headset::Parts {
     if (session != XR_NULL_HANDLE) xr.DestroySession(session);
     xr.DestroyInstance(xr.instance);
   }
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
+  Parts& operator=(Parts&&) = delete;  // nor copied
 
   /// For all calls once the session runs.
   void check(XrResult result) {

@@ -4,7 +4,6 @@
 // of std::chrono::steady_clock.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -74,8 +73,7 @@ class Headset {
   explicit Headset(std::unique_ptr<GpuContext> context, const std::string& loader = "");
   /// Ends the session. The thread then has the context that it had before.
   ~Headset();
-  Headset(const Headset&) = delete;
-  Headset& operator=(const Headset&) = delete;
+  Headset& operator=(Headset&&) = delete;  // nor copied
 
   const HeadsetFacts& facts() const { return facts_; }
   GpuContext& context() { return *context_; }

@@ -52,8 +52,7 @@ class HeadsetDisplay {
                  std::function<void()> shown, const std::string& loader = "");
   /// Ends the session.
   ~HeadsetDisplay();
-  HeadsetDisplay(const HeadsetDisplay&) = delete;
-  HeadsetDisplay& operator=(const HeadsetDisplay&) = delete;
+  HeadsetDisplay& operator=(HeadsetDisplay&&) = delete;  // nor copied
 
   const HeadsetFacts& facts() const { return headset_->facts(); }
 

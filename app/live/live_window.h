@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <memory>
 #include <optional>
@@ -22,13 +23,18 @@
 
 namespace foci {
 
+/// Whether a task was started and has its result.
+template <class T>
+bool isReady(const std::future<T>& task) {
+  return task.valid() && task.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
 class LiveWindow {
  public:
   /// @throws InputError, std::runtime_error
   LiveWindow(const Study& study, const LiveOptions& options, std::optional<SceneFile>&& scene);
   ~LiveWindow();
-  LiveWindow(const LiveWindow&) = delete;
-  LiveWindow& operator=(const LiveWindow&) = delete;
+  LiveWindow& operator=(LiveWindow&&) = delete;  // nor copied
 
   LiveSummary run();
 

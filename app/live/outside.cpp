@@ -1,7 +1,6 @@
 #include "app/live/outside.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/gtc/constants.hpp>
 
 #include "app/record/gaze_marker.h"

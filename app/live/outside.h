@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "app/graphics/image.h"
 #include "app/live/pose.h"

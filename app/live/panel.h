@@ -9,7 +9,6 @@
 
 #include "app/live/options.h"
 #include "app/live/outside.h"
-#include "app/live/pose.h"
 #include "app/live/renderer.h"
 #include "app/window/window.h"
 

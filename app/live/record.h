@@ -22,7 +22,6 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -92,8 +91,7 @@ class LiveRecord {
              double rate_Hz, std::string command, unsigned threads, std::string devices);
   /// Closes it first.
   ~LiveRecord();
-  LiveRecord(const LiveRecord&) = delete;
-  LiveRecord& operator=(const LiveRecord&) = delete;
+  LiveRecord& operator=(LiveRecord&&) = delete;  // nor copied
 
   void add(const GazeSample& sample);
   void add(const Change& change);

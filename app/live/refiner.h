@@ -19,8 +19,7 @@ class Refiner {
   /// @param threads  that render
   Refiner(FrameRenderer renderer, unsigned threads);
   ~Refiner();
-  Refiner(const Refiner&) = delete;
-  Refiner& operator=(const Refiner&) = delete;
+  Refiner& operator=(Refiner&&) = delete;  // nor copied
 
   /// Renders these requests in their order, and cancels all others. First it prepares their views
   /// for a frame-time budget. Does not wait.

@@ -4,8 +4,8 @@
 #include <array>
 #include <cctype>
 #include <ctime>
-#include <nlohmann/json.hpp>
 
+#include "app/platform/json_text.h"
 #include "app/study/live_change.h"
 #include "base/input_error.h"
 #include "base/text.h"
@@ -30,8 +30,8 @@ std::string stateOf(const LiveState& state, double now_s) {
   nlohmann::ordered_json json = {{"now_s", now_s},
                                  {"frame_s", last.time_s},
                                  {"gaze_state", nameOf(last.eye.state)},
-                                 {"gaze_px", nullptr},
-                                 {"surface_distance_m", nullptr},
+                                 {"gaze_px", last.gaze_px},
+                                 {"surface_distance_m", last.eye.surface_distance_m},
                                  {"focus_D", last.eye.focus_D},
                                  {"pupil_mm", last.pupil_mm},
                                  {"method", last.method},
@@ -39,8 +39,6 @@ std::string stateOf(const LiveState& state, double now_s) {
                                  {"clock", nullptr},
                                  {"record", nullptr},
                                  {"record_failure", nullptr}};
-  if (last.gaze_px) json["gaze_px"] = {last.gaze_px->x, last.gaze_px->y};
-  if (last.eye.surface_distance_m) json["surface_distance_m"] = *last.eye.surface_distance_m;
   if (!state.reception.remark.empty()) json["gaze_remark"] = state.reception.remark;
   if (const auto& clock = state.reception.clock) {
     json["clock"] = {
@@ -48,13 +46,13 @@ std::string stateOf(const LiveState& state, double now_s) {
   }
   if (state.record) {
     json["record"] = state.record->folder().string();
-    if (const auto failure = state.record->failure()) json["record_failure"] = *failure;
+    json["record_failure"] = state.record->failure();
   }
   if (state.playing) {
     json["recording_s"] = state.playing->recording_s;
     json["speed"] = state.playing->plays ? state.playing->speed : 0.0;
   }
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return jsonText(json);
 }
 
 }  // namespace
@@ -83,9 +81,8 @@ std::string answerTo(const std::string& command, LiveRenderer& renderer) {
   if (verb == "state") return "ok " + stateOf(renderer.state(), renderer.now_s());
   if (verb == "record") {
     // A command from the network must not choose a path.
-    const bool is_plain_name = std::all_of(rest.begin(), rest.end(), [](unsigned char c) {
-      return std::isalnum(c) || c == '-' || c == '_';
-    });
+    const bool is_plain_name = std::ranges::all_of(
+        rest, [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
     if (!is_plain_name) return "error record NAME: expected letters, digits, - and _";
     return answerOf(
         renderer.startRecord(rest.empty() ? unusedName("") : std::filesystem::path(rest)));

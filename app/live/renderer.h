@@ -70,8 +70,7 @@ class LiveRenderer {
                unsigned threads, std::function<void()> ready, std::optional<SceneFile> scene = {},
                std::future<SharedGpu> gpu = {}, LiveHeadAt head = {});
   ~LiveRenderer();
-  LiveRenderer(const LiveRenderer&) = delete;
-  LiveRenderer& operator=(const LiveRenderer&) = delete;
+  LiveRenderer& operator=(LiveRenderer&&) = delete;  // nor copied
 
   /// Takes the frame that lies ready, if there is one, and makes room for the next.
   /// @param next_s  when the window will want the next one

@@ -48,9 +48,8 @@ void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named
     named.lookedAt = [now](const glm::dvec2& point_px) { return now->click(point_px); };
   }
   WebcamTracker tracker(std::nullopt, reference);
-  const std::string remark = tracker.remark();
+  named.warnings.add(tracker.remark());
   named.source = std::make_unique<WebcamSource>(place, std::move(tracker), map);
-  if (!remark.empty()) named.warnings.add(remark);
 }
 
 /// A tracker whose gaze goes through the map of a calibration.
@@ -122,9 +121,7 @@ std::function<HeadInWorld(double recording_s)> followRecordedHead(const Study& s
   moved.eye.position_m.reset();
   moved.eye.look_at_m.reset();
   named.study = std::move(moved);
-  for (const std::string& remark : headRemarks(*named.study, trace)) {
-    named.warnings.add(study.gaze.source, remark);
-  }
+  named.warnings.addAll(study.gaze.source, headRemarks(*named.study, trace));
   const double first_s = trace.samples.front().time_s;
   const auto headAt = [path = *named.study->eye.recorded, first_s](double recording_s) {
     const glm::dmat4 pose = glm::inverse(glm::dmat4(path.eyeFromWorldAt(recording_s - first_s)));

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "app/live/words.h"
 #include "base/text.h"
@@ -20,16 +19,8 @@ constexpr ImU32 kGround = IM_COL32(60, 62, 66, 255), kFixation = IM_COL32(92, 15
 
 /// Fixations and pursuit in blue, blinks and data loss in red, saccades as the ground.
 ImU32 colourOf(GazeState state) {
-  switch (state) {
-    case GazeState::fixation:
-    case GazeState::pursuit:
-      return kFixation;
-    case GazeState::blink:
-    case GazeState::lost:
-      return kAbsent;
-    default:
-      return kGround;
-  }
+  if (state == GazeState::fixation || state == GazeState::pursuit) return kFixation;
+  return state == GazeState::blink || state == GazeState::lost ? kAbsent : kGround;
 }
 
 void drawBar(TracePlayer& player, const Playback& playback) {

@@ -180,10 +180,7 @@ void LiveWindow::takeFrames() {
 
 /// Ends the run if the record of `--record` could not begin.
 void LiveWindow::requireRecord() {
-  if (!starting_.valid() ||
-      starting_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-    return;
-  }
+  if (!isReady(starting_)) return;
   if (const std::string failure = starting_.get(); !failure.empty()) {
     throw std::runtime_error(failure);
   }
@@ -216,9 +213,7 @@ void LiveWindow::openDropped() {
                          return open(file, now);
                        });
   }
-  if (!next_.valid() || next_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-    return;
-  }
+  if (!isReady(next_)) return;
   try {
     summary_.next = next_.get();
     leaving_ = true;
@@ -228,10 +223,7 @@ void LiveWindow::openDropped() {
 }
 
 void LiveWindow::screenshot() {
-  if (!frame_) return;
-  if (saving_.valid() && saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-    return;  // one at a time
-  }
+  if (!frame_ || (saving_.valid() && !isReady(saving_))) return;  // one at a time
   const std::filesystem::path file = unusedName(".png");
   renderer_->tell("image in " + file.string());
   saving_ =
@@ -287,8 +279,7 @@ void LiveWindow::draw() {
 
 /// The scene from outside, behind the frame.
 void LiveWindow::showOutside() {
-  if (outside_scene_.valid() &&
-      outside_scene_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+  if (isReady(outside_scene_)) {
     try {
       OutsideScene scene = outside_scene_.get();
       const LivePose camera = cameraBehind(scene.last, renderer_->state().study.eye.up);

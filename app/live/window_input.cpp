@@ -6,7 +6,6 @@
 #include <array>
 
 #include "app/live/live_window.h"
-#include "app/live/remote_control.h"
 #include "app/study/study_words.h"
 
 namespace foci {
@@ -145,9 +144,7 @@ void LiveWindow::tellWhatMoves() {
 
 /// Gives the pose to the renderer, once it has the last one.
 void LiveWindow::sendPose() {
-  const bool busy =
-      sent_.valid() && sent_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
-  if (!steered_ || busy) return;
+  if (!steered_ || (sent_.valid() && !isReady(sent_))) return;
   steered_ = false;
   renderer_->change("eye.position_m", tomlPoint(steering_->pose().position_m()));
   sent_ = renderer_->change("eye.look_at_m", tomlPoint(steering_->pose().look_at_m()));
@@ -226,76 +223,37 @@ void LiveWindow::key(int key) {
     changeAndSay("observer.pupil_mm", std::to_string(key - GLFW_KEY_0));
     return;
   }
-  switch (key) {
-    case GLFW_KEY_ESCAPE:
-      leaving_ = true;
-      break;
-    case GLFW_KEY_F1:
-      panel_ = !panel_;
-      break;
-    case GLFW_KEY_F2:
-      controls_.save_study();
-      break;
-    case GLFW_KEY_F11:
-      window_->toggleFullScreen();
-      break;
-    case GLFW_KEY_O:
-      placeObject();
-      break;
-    case GLFW_KEY_F:
-      changeAndSay("focus.fixed_D", study.focus.fixed_D ? "null" : tomlNumber(focus_D));
-      break;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-      changeAndSay("focus.fixed_D", tomlNumber(std::min(focus_D + kFocusStep_D, 20.0)));
-      break;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-      changeAndSay("focus.fixed_D", tomlNumber(std::max(focus_D - kFocusStep_D, 0.0)));
-      break;
-    case GLFW_KEY_M:
-      toggle("output.marker", study.output.marker);
-      break;
-    case GLFW_KEY_H:
-      toggle("output.split", study.output.split);
-      break;
-    case GLFW_KEY_C:
-      toggle("quality.foveated", study.quality.foveated);
-      break;
-    case GLFW_KEY_V:
-      changeAndSay("output.view", nextOf(studyWords<StereoView>(), studyWord(study.output.view)));
-      break;
-    case GLFW_KEY_N:
-      if (!state.methods.empty()) {
-        changeAndSay("render.method", nextOf(state.methods, study.render.method));
-      }
-      break;
-    case GLFW_KEY_X:
-      toggleOutside();
-      break;
-    case GLFW_KEY_R:
-      toggleRecord();
-      break;
-    case GLFW_KEY_SPACE:
-    case GLFW_KEY_T:
-      renderer_->addMarker(key == GLFW_KEY_T ? "T" : "space");
-      break;
-    case GLFW_KEY_G:
-      holdGaze();
-      break;
-    case GLFW_KEY_P:
-      screenshot();
-      break;
-    case GLFW_KEY_HOME:
-    case GLFW_KEY_BACKSPACE:
-      restoreView(true);
-      break;
-    case GLFW_KEY_Z:
-      restoreView(false);
-      break;
-    default:
-      break;
+  const auto is = [&](auto... keys) { return ((key == keys) || ...); };
+  if (is(GLFW_KEY_ESCAPE)) leaving_ = true;
+  if (is(GLFW_KEY_F1)) panel_ = !panel_;
+  if (is(GLFW_KEY_F2)) controls_.save_study();
+  if (is(GLFW_KEY_F11)) window_->toggleFullScreen();
+  if (is(GLFW_KEY_O)) placeObject();
+  if (is(GLFW_KEY_F)) {
+    changeAndSay("focus.fixed_D", study.focus.fixed_D ? "null" : tomlNumber(focus_D));
   }
+  if (is(GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD)) {
+    changeAndSay("focus.fixed_D", tomlNumber(std::min(focus_D + kFocusStep_D, 20.0)));
+  }
+  if (is(GLFW_KEY_MINUS, GLFW_KEY_KP_SUBTRACT)) {
+    changeAndSay("focus.fixed_D", tomlNumber(std::max(focus_D - kFocusStep_D, 0.0)));
+  }
+  if (is(GLFW_KEY_M)) toggle("output.marker", study.output.marker);
+  if (is(GLFW_KEY_H)) toggle("output.split", study.output.split);
+  if (is(GLFW_KEY_C)) toggle("quality.foveated", study.quality.foveated);
+  if (is(GLFW_KEY_V)) {
+    changeAndSay("output.view", nextOf(studyWords<StereoView>(), studyWord(study.output.view)));
+  }
+  if (is(GLFW_KEY_N) && !state.methods.empty()) {
+    changeAndSay("render.method", nextOf(state.methods, study.render.method));
+  }
+  if (is(GLFW_KEY_X)) toggleOutside();
+  if (is(GLFW_KEY_R)) toggleRecord();
+  if (is(GLFW_KEY_SPACE, GLFW_KEY_T)) renderer_->addMarker(key == GLFW_KEY_T ? "T" : "space");
+  if (is(GLFW_KEY_G)) holdGaze();
+  if (is(GLFW_KEY_P)) screenshot();
+  if (is(GLFW_KEY_HOME, GLFW_KEY_BACKSPACE)) restoreView(true);
+  if (is(GLFW_KEY_Z)) restoreView(false);
 }
 
 void LiveWindow::toggleOutside() {

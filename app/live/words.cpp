@@ -1,7 +1,6 @@
 #include "app/live/words.h"
 
 #include <algorithm>
-#include <string>
 
 #include "base/text.h"
 #include "render/methods/method.h"
@@ -69,40 +68,27 @@ std::string carryOut(PlayerStep step, TracePlayer& player, const std::vector<Gaz
     player.seek(to_s);
     return "at " + decimal(player.state().recording_s - now.first_s, 2) + " s";
   };
-  switch (step) {
-    case PlayerStep::toggle:
-      player.play(!now.plays);
-      return now.plays ? "paused" : "plays";
-    case PlayerStep::back:
-      return seek(now.recording_s - kSkip_s);
-    case PlayerStep::forward:
-      return seek(now.recording_s + kSkip_s);
-    case PlayerStep::frame_back:
-      player.play(false);
-      return seek(now.recording_s - kFrame_s);
-    case PlayerStep::frame_forward:
-      if (now.recording_s >= now.last_s) return "at the end";
-      player.play(false);
-      return seek(now.recording_s + kFrame_s);
-    case PlayerStep::fixation_before:
-      return stepToFixation(-1, player, events);
-    case PlayerStep::fixation_after:
-      return stepToFixation(1, player, events);
-    case PlayerStep::begin:
-      return seek(now.first_s);
-    case PlayerStep::end:
-      return seek(now.last_s);
-    case PlayerStep::slower:
-      player.setSpeed(0.5 * now.speed);
-      return speedInWords(player.state().speed);
-    case PlayerStep::faster:
-      player.setSpeed(2.0 * now.speed);
-      return speedInWords(player.state().speed);
-    case PlayerStep::loop:
-      player.setLoops(!now.loops);
-      return now.loops ? "plays once" : "plays in a loop";
+  using Step = PlayerStep;
+  if (step == Step::frame_forward && now.recording_s >= now.last_s) return "at the end";
+  if (step == Step::frame_back || step == Step::frame_forward) player.play(false);
+  if (step == Step::frame_back) return seek(now.recording_s - kFrame_s);
+  if (step == Step::frame_forward) return seek(now.recording_s + kFrame_s);
+  if (step == Step::back) return seek(now.recording_s - kSkip_s);
+  if (step == Step::forward) return seek(now.recording_s + kSkip_s);
+  if (step == Step::fixation_before) return stepToFixation(-1, player, events);
+  if (step == Step::fixation_after) return stepToFixation(1, player, events);
+  if (step == Step::begin) return seek(now.first_s);
+  if (step == Step::end) return seek(now.last_s);
+  if (step == Step::slower || step == Step::faster) {
+    player.setSpeed((step == Step::slower ? 0.5 : 2.0) * now.speed);
+    return speedInWords(player.state().speed);
   }
-  return "";
+  if (step == Step::loop) {
+    player.setLoops(!now.loops);
+    return now.loops ? "plays once" : "plays in a loop";
+  }
+  player.play(!now.plays);
+  return now.plays ? "paused" : "plays";
 }
 
 }  // namespace foci

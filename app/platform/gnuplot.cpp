@@ -25,8 +25,7 @@ class MemoryFile {
  public:
   MemoryFile() : file_(::memfd_create("gnuplot", MFD_CLOEXEC)) {}
   ~MemoryFile() { ::close(file_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
+  MemoryFile& operator=(MemoryFile&&) = delete;  // nor copied
 
   int get() const { return file_; }
 

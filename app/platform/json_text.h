@@ -1,10 +1,40 @@
-// JSON as text: outside bytes that are not UTF-8, and numbers that are not finite.
+// JSON: its text, and values that may be absent, have components, or are not finite.
 #pragma once
 
 #include <cmath>
+#include <glm/glm.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+
+namespace nlohmann {
+
+/// null: absent.
+template <class T>
+struct adl_serializer<std::optional<T>> {
+  static void to_json(auto& json, const std::optional<T>& value) {
+    json = nullptr;
+    if (value) json = *value;
+  }
+  static void from_json(const auto& json, std::optional<T>& value) {
+    value.reset();
+    if (!json.is_null()) json.get_to(value.emplace());
+  }
+};
+
+/// A vector is the list of its components.
+template <int N, class T>
+struct adl_serializer<glm::vec<N, T>> {
+  static void to_json(auto& json, const glm::vec<N, T>& value) {
+    for (int i = 0; i < N; ++i) json.push_back(value[i]);
+  }
+  static void from_json(const auto& json, glm::vec<N, T>& value) {
+    for (int i = 0; i < N; ++i) json.at(static_cast<std::size_t>(i)).get_to(value[i]);
+  }
+};
+
+}  // namespace nlohmann
 
 namespace foci {
 

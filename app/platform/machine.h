@@ -50,8 +50,7 @@ class OneCore {
  public:
   OneCore();
   ~OneCore();
-  OneCore(const OneCore&) = delete;
-  OneCore& operator=(const OneCore&) = delete;
+  OneCore& operator=(OneCore&&) = delete;  // nor copied
 
  private:
   struct Cores;

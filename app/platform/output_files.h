@@ -20,8 +20,7 @@ class OutputFiles {
  public:
   explicit OutputFiles(OutputGuard guard);
   ~OutputFiles();
-  OutputFiles(const OutputFiles&) = delete;
-  OutputFiles& operator=(const OutputFiles&) = delete;
+  OutputFiles& operator=(OutputFiles&&) = delete;  // nor copied
 
   /// Makes a folder and its missing parents.
   /// @throws std::runtime_error if it cannot be made, or nothing can be written to it

@@ -5,8 +5,6 @@
 #include <climits>
 #include <fstream>
 #include <optional>
-#include <set>
-#include <stdexcept>
 #include <utility>
 
 #include "base/file.h"

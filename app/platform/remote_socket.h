@@ -25,8 +25,7 @@ class RemoteSocket {
                std::function<std::optional<std::string>(const std::string&)> at_once,
                std::function<std::string(const std::string&)> answer);
   ~RemoteSocket();
-  RemoteSocket(const RemoteSocket&) = delete;
-  RemoteSocket& operator=(const RemoteSocket&) = delete;
+  RemoteSocket& operator=(RemoteSocket&&) = delete;  // nor copied
 
   /// The port in use. If port 0 was asked for, the system has chosen a free one.
   int port() const { return port_; }

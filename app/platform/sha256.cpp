@@ -41,6 +41,12 @@ std::string Sha256::hex() {
   return text;
 }
 
+std::string sha256Of(std::string_view bytes) {
+  Sha256 hash;
+  hash.add({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
+  return hash.hex();
+}
+
 FileToHash::FileToHash(std::filesystem::path path)
     : path_(std::move(path)), file_(nullptr, &std::fclose) {
   requireRegularFile(path_);

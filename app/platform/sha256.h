@@ -40,6 +40,8 @@ class FileToHash {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
+std::string sha256Of(std::string_view bytes);
+
 /// @throws InputError if the file cannot be read
 std::string sha256OfFile(const std::filesystem::path& path);
 

@@ -16,8 +16,7 @@ class ShellPipe {
  public:
   ShellPipe() = default;
   ~ShellPipe() { close(); }
-  ShellPipe(const ShellPipe&) = delete;
-  ShellPipe& operator=(const ShellPipe&) = delete;
+  ShellPipe& operator=(ShellPipe&&) = delete;  // nor copied
 
   /// @param command  for the shell
   /// @return false if it cannot be started

@@ -9,8 +9,6 @@
 #include <cerrno>
 #include <ctime>
 #include <fstream>
-#include <iterator>
-#include <optional>
 #include <random>
 #include <stdexcept>
 #include <utility>

@@ -25,8 +25,7 @@ class StagingFolder {
   explicit StagingFolder(std::filesystem::path folder);
   /// Removes it, and all that is left in it.
   ~StagingFolder();
-  StagingFolder(const StagingFolder&) = delete;
-  StagingFolder& operator=(const StagingFolder&) = delete;
+  StagingFolder& operator=(StagingFolder&&) = delete;  // nor copied
 
   /// Reserves a name, until the staging folder is removed.
   /// @throws InputError naming the run that has it; std::runtime_error
@@ -55,8 +54,7 @@ class FolderLock {
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(FolderLock&& other) noexcept;
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
+  FolderLock& operator=(FolderLock&&) = delete;  // nor copied
 
  private:
   int file_ = -1;

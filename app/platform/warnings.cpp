@@ -28,7 +28,7 @@ bool Warnings::keep(const std::string& text) {
 }
 
 void Warnings::add(const std::string& text) {
-  if (keep(text)) say(text);
+  if (!text.empty() && keep(text)) say(text);
 }
 
 void Warnings::include(const std::vector<std::string>& printed) {

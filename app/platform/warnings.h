@@ -13,10 +13,15 @@ void say(const std::string& text);
 /// when it comes, and stands at the top of the run's report and in its manifest.
 class Warnings {
  public:
-  /// A text that is there already is not added or printed again.
+  /// An empty text, or one that is there already, is not added or printed.
   void add(const std::string& text);
   /// "WHERE: TEXT"
-  void add(const std::string& where, const std::string& text) { add(where + ": " + text); }
+  void add(const std::string& where, const std::string& text) {
+    if (!text.empty()) add(where + ": " + text);
+  }
+  void addAll(const std::string& where, const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) add(where, text);
+  }
 
   /// Takes over warnings that were printed before, e.g. those of a scene that several runs share.
   void include(const std::vector<std::string>& printed);

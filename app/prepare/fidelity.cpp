@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
-#include <string>
 #include <tuple>
 #include <utility>
 

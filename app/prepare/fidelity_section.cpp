@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
-#include "base/base64.h"
 #include "base/text.h"
 
 namespace foci {
@@ -45,14 +42,8 @@ Image mapOf(const std::vector<FidelityView>& views) {
 }
 
 std::string figure(const Image& image, const std::string& words, const std::string& caption) {
-  const std::vector<std::uint8_t> png = pngOf(image);
-  std::ostringstream html;
-  html << "<figure><img alt=\"" << escaped(words) << "\" src=\"data:image/png;base64,";
-  Base64 text(html);
-  text.add(png.data(), png.size());
-  text.finish();
-  html << "\"><figcaption>" << caption << "</figcaption></figure>\n";
-  return html.str();
+  return "<figure><img alt=\"" + escaped(words) + "\" src=\"" + imageUri(pngOf(image), "png") +
+         "\"><figcaption>" + caption + "</figcaption></figure>\n";
 }
 
 std::string legend() {
@@ -61,9 +52,7 @@ std::string legend() {
   for (int i = 0; i <= kStops; ++i) {
     const auto color = leakColor(kLeak + (kWorstLeak - kLeak) * static_cast<float>(i) /
                                              static_cast<float>(kStops));
-    stops.append(i == 0 ? "" : ", ").append("rgb(");
-    for (int c = 0; c < 3; ++c) stops.append(c == 0 ? "" : " ").append(std::to_string(color[c]));
-    stops += ")";
+    stops += printed("%srgb(%d %d %d)", i == 0 ? "" : ", ", color[0], color[1], color[2]);
   }
   return "<p class=\"leaks\">leak of " + decimal(100.0 * kLeak, 0) +
          " % <span style=\"background: linear-gradient(to right, " + stops + ")\"></span> " +

@@ -25,16 +25,19 @@ struct PrepareRequest {
   bool overwrite = false;  ///< replace files that foci did not make, too
 };
 
+/// Sums of the kernels at points of a surface.
+struct KernelSumFigures {
+  double mean = 0.0;
+  double within_2, within_5, within_10;  ///< shares of the points within 1 +- 0.02, 0.05, 0.1
+  /// `kHistogramBins` bins from 0.5 to 1.5. The end bins also count the sums beyond.
+  std::vector<std::size_t> histogram;
+};
+
 /// How closely kernels form a partition of unity over the surface, at one size of pixels or blur.
 struct Normalisation {
   double pixel_spacings, blur_spacings;  ///< see `SeenAs`
-  double smooth_share;  ///< share of the surface that is smooth; 0: `smooth_...` have no meaning
-  double within_2, within_5, within_10;  ///< shares of the surface within 1 +- 0.02, 0.05, 0.1
-  double smooth_within_2, smooth_within_5, smooth_within_10;  ///< the same of the smooth parts
-  double mean, smooth_mean;
-  /// Histograms of the sums, `kHistogramBins` bins from 0.5 to 1.5. The end bins also count the
-  /// sums beyond.
-  std::vector<std::size_t> histogram, smooth_histogram;
+  double smooth_share;  ///< share of the surface that is smooth; 0: `smooth` has no meaning
+  KernelSumFigures whole, smooth;
 };
 inline constexpr std::size_t kHistogramBins = 100;
 

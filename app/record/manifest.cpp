@@ -125,21 +125,13 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
   return jsonText(manifest, 2) + "\n";
 }
 
-namespace {
-
-nlohmann::ordered_json orNull(const std::optional<double>& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
-}  // namespace
-
 nlohmann::ordered_json toJson(const RecordingQuality& quality) {
   nlohmann::ordered_json json = {{"rate_Hz", quality.rate_Hz},
                                  {"jitter_s", quality.jitter_s},
                                  {"lost", quality.lost},
                                  {"longest_gap_s", quality.longest_gap_s},
-                                 {"rms_s2s_deg", orNull(quality.rms_s2s_deg)},
-                                 {"sd_deg", orNull(quality.sd_deg)},
+                                 {"rms_s2s_deg", quality.rms_s2s_deg},
+                                 {"sd_deg", quality.sd_deg},
                                  {"unjudged", quality.unjudged},
                                  {"main_sequence", nullptr}};
   if (const auto& fit = quality.main_sequence) {

@@ -3,10 +3,6 @@
 #include "base/text.h"
 #include "gaze/sources/trials.h"
 
-#include <array>
-#include <charconv>
-#include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 

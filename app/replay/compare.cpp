@@ -152,7 +152,7 @@ void writeTables(std::ostream& out, const std::vector<ComparedRun>& runs,
 void embed(std::ostream& out, const Image& image, const std::string& caption) {
   const int width_px = std::min(kComparePicture_px, image.size_px.x);
   out << "<figure><img alt=\"" << escaped(caption) << "\" src=\""
-      << jpegUri(jpegOf(thumbnail(image, width_px))) << "\"><figcaption>" << escaped(caption)
+      << imageUri(jpegOf(thumbnail(image, width_px))) << "\"><figcaption>" << escaped(caption)
       << "</figcaption></figure>\n";
 }
 

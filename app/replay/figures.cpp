@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <glm/gtc/constants.hpp>
-#include <limits>
 #include <set>
 
 #include "app/graphics/image.h"

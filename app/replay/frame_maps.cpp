@@ -1,9 +1,9 @@
 #include "app/replay/frame_maps.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "app/study/study_words.h"
+#include "base/text.h"
 #include "render/image/image_file.h"
 
 namespace foci {
@@ -21,23 +21,15 @@ std::vector<float> defocusMap_D(const Frame& frame, double focus_D) {
 namespace {
 
 void write(const std::filesystem::path& file, FrameMap map, const Frame& frame, double focus_D) {
-  switch (map) {
-    case FrameMap::light:
-      return writeImage(file, frame);
-    case FrameMap::depth:
-      return writeMap(file, frame.size_px, frame.depth_m);
-    case FrameMap::defocus:
-      return writeMap(file, frame.size_px, defocusMap_D(frame, focus_D));
-  }
+  if (map == FrameMap::light) return writeImage(file, frame);
+  writeMap(file, frame.size_px,
+           map == FrameMap::depth ? frame.depth_m : defocusMap_D(frame, focus_D));
 }
 
 }  // namespace
 
 std::string mapFileName(FrameMap map, std::size_t frame) {
-  constexpr std::size_t kDigits = 6;
-  std::string number = std::to_string(frame);
-  number.insert(0, kDigits - std::min(kDigits, number.size()), '0');
-  return std::string(studyWord(map)) + "-" + number + ".exr";
+  return std::string(studyWord(map)) + printed("-%06zu.exr", frame);
 }
 
 std::vector<std::filesystem::path> stageMaps(const std::vector<FrameMap>& maps, std::size_t frame,

@@ -80,8 +80,8 @@ class Looker {
     std::vector<std::pair<std::uint16_t, double>> shares;
     for (const SurfelShare& each : surface) {
       const std::uint16_t object = cloud_.objects.of[each.surfel];
-      const auto found = std::find_if(shares.begin(), shares.end(),
-                                      [&](const auto& share) { return share.first == object; });
+      const auto found =
+          std::ranges::find_if(shares, [&](const auto& share) { return share.first == object; });
       if (found == shares.end()) {
         shares.emplace_back(object, each.share);
       } else {
@@ -89,10 +89,9 @@ class Looker {
       }
     }
     if (shares.empty()) return 0;
-    const auto most =
-        std::max_element(shares.begin(), shares.end(), [](const auto& a, const auto& b) {
-          return a.second < b.second || (a.second == b.second && a.first > b.first);
-        });
+    const auto most = std::ranges::max_element(shares, [](const auto& a, const auto& b) {
+      return a.second < b.second || (a.second == b.second && a.first > b.first);
+    });
     return most->first == 0 ? 0 : shapes.size() + most->first;
   }
 
@@ -149,7 +148,7 @@ SightFixation fixationOf(const GazeEvent& event, std::span<SightSample> samples,
   mean.point_m /= met_s;
   mean.distance_m /= met_s;
   if (mean.normal != glm::dvec3(0.0)) mean.normal = glm::normalize(mean.normal);
-  const auto most = std::max_element(on_object_s.begin(), on_object_s.end());
+  const auto most = std::ranges::max_element(on_object_s);
   mean.object = static_cast<std::size_t>(most - on_object_s.begin());
   fixation.share = *most / gaze_s;
   fixation.hit = mean;

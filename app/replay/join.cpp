@@ -1,7 +1,6 @@
 #include "app/replay/join.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "app/platform/progress.h"
 #include "app/platform/sha256.h"
@@ -114,7 +113,7 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   stated.output.fps = gaze.study.output.fps;
   for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
   const SurfelCloud cloud = loadScene(gaze.study, warnings);
-  if (const std::string remark = eyeRemark(gaze.study); !remark.empty()) warnings.add(remark);
+  warnings.add(eyeRemark(gaze.study));
   RunWriter writer(stated, gaze, cloud, out, guard, warnings);
   sayAssumptions(gaze.study, gaze.trace);
   Progress progress("joining", "frames", gaze.schedule.frames);

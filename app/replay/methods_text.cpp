@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "app/platform/version.h"
-#include "app/record/manifest.h"
 #include "base/text.h"
 #include "gaze/focus/pupil.h"
 

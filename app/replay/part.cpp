@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <span>
-#include <stdexcept>
 #include <utility>
 
 #include "app/graphics/image.h"
@@ -13,7 +11,6 @@
 #include "app/platform/sha256.h"
 #include "app/platform/version.h"
 #include "app/replay/frame_maps.h"
-#include "app/replay/replayed_eye.h"
 #include "app/replay/run_writer.h"
 #include "app/study/study_text.h"
 #include "base/file.h"
@@ -62,25 +59,94 @@ std::string portableToml(const Study& study) {
   return studyToml(moved);
 }
 
-Json headOf(const Study& study, const FrameSpan& span, std::size_t frames, unsigned threads,
-            const std::string& device, const std::vector<InputFile>& files) {
-  Json inputs = Json::array();
-  for (const InputFile& input : files) {
-    inputs.push_back({{"path", input.path.string()},
-                      {"absolute", std::filesystem::absolute(input.path).string()},
-                      {"sha256", input.sha256}});
+/// Calls `field` with the name and the value of what part.json states of a part.
+template <class SomePart, class Field>
+void eachFieldOfPart(SomePart& part, const Field& field) {
+  field("version", part.version);
+  field("first", part.span.first);
+  field("end", part.span.end);
+  field("frames", part.frames);
+  field("study", part.study_file);
+  field("screen_is_default", part.screen_is_default);
+  field("configuration", part.configuration);
+  field("threads", part.threads);
+  field("device", part.device);
+  field("warnings", part.warnings);
+  field("study_sha256", part.study_sha256);
+}
+
+/// The same of a frame.
+template <class SomeFrame, class Field>
+void eachFieldOfFrame(SomeFrame& frame, const Field& field) {
+  auto& record = frame.seen.record;
+  field("time_s", record.time_s);
+  field("eye_m", record.eye_m);
+  field("gaze_px", record.gaze_px);
+  field("fixation_px", record.fixation_px);
+  field("image_px", frame.seen.gaze_px);
+  field("surface_distance_m", record.eye.surface_distance_m);
+  field("target_D", record.eye.target_D);
+  field("focus_D", record.eye.focus_D);
+  field("pupil_mm", record.pupil_mm);
+  field("method", record.method);
+  field("splats", record.stats.splats);
+  field("fragments", record.stats.fragments);
+  field("tolerance_error", record.stats.tolerance_error);
+  field("tolerance_met", record.stats.tolerance_met);
+  field("render_ms", record.stats.ms);
+  field("rendered", record.rendered);
+  field("marker", frame.seen.marker);
+  field("image", frame.image);
+  field("sha256", frame.sha256);
+  field("maps_sha256", frame.maps_sha256);
+}
+
+Json jsonOf(const PartFrame& frame) {
+  Json json;
+  eachFieldOfFrame(frame, [&](const char* name, const auto& value) { json[name] = value; });
+  const FrameRecord& record = frame.seen.record;
+  const EyeNow& eye = record.eye;
+  const glm::dquat& turn = record.world_from_eye;
+  json["world_from_eye_xyzw"] = glm::dvec4(turn.x, turn.y, turn.z, turn.w);
+  json["state"] = nameOf(eye.state);
+  if (eye.sample) json["sample_time_s"] = eye.sample->time_s;
+  if (eye.vergence) json["vergence_D"] = glm::dvec2(eye.vergence->value_D, eye.vergence->error_D);
+  if (const auto& level = record.stats.quality_level) json["quality_level"] = textOf(*level);
+  return json;
+}
+
+PartFrame partFrameOf(const Json& json) {
+  PartFrame frame;
+  eachFieldOfFrame(frame, [&](const char* name, auto& value) { json.at(name).get_to(value); });
+  FrameRecord& record = frame.seen.record;
+  EyeNow& eye = record.eye;
+  eye.time_s = record.time_s;
+  const auto turn = json.at("world_from_eye_xyzw").get<glm::dvec4>();
+  record.world_from_eye = {turn.w, turn.x, turn.y, turn.z};
+  eye.state = stateNamed(json.at("state").get<std::string>()).value();
+  if (json.contains("sample_time_s")) eye.sample = GazeSample{.time_s = json["sample_time_s"]};
+  if (json.contains("vergence_D")) {
+    const auto vergence = json["vergence_D"].get<glm::dvec2>();
+    eye.vergence = {.value_D = vergence.x, .error_D = vergence.y};
   }
-  return {{"program", "foci"},
-          {"version", versionText()},
-          {"first", span.first},
-          {"end", span.end},
-          {"frames", frames},
-          {"study", study.file.string()},
-          {"screen_is_default", study.screen.is_default},
-          {"configuration", configurationOf(study)},
-          {"threads", threads},
-          {"device", device},
-          {"inputs", inputs}};
+  if (json.contains("quality_level")) {
+    record.stats.quality_level = qualityLevelFrom(json["quality_level"].get<std::string>());
+  }
+  return frame;
+}
+
+Json jsonOf(const Part& part) {
+  Json json = {{"program", "foci"}};
+  eachFieldOfPart(part, [&](const char* name, const auto& value) { json[name] = value; });
+  json["inputs"] = Json::array();
+  for (const InputFile& input : part.inputs) {
+    json["inputs"].push_back({{"path", input.path.string()},
+                              {"absolute", std::filesystem::absolute(input.path).string()},
+                              {"sha256", input.sha256}});
+  }
+  json["frames_seen"] = Json::array();
+  for (const PartFrame& frame : part.all) json["frames_seen"].push_back(jsonOf(frame));
+  return json;
 }
 
 /// The frames asked for that the run has.
@@ -100,9 +166,13 @@ FrameSpan within(const FramesAsked& asked, std::size_t frames) {
   return {span.first, std::min(span.end, frames)};
 }
 
+std::string_view bytesOf(const Image& image) {
+  return {reinterpret_cast<const char*>(image.rgb.data()), image.rgb.size()};
+}
+
 /// Renders the frames of the span, and stages each new image.
-Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
-  Json frames = Json::array();
+std::vector<PartFrame> renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
+  std::vector<PartFrame> frames;
   Progress progress("rendering", "frames", span.end);
   for (std::size_t i = 0; i < span.end; ++i) {
     if (i < span.first) {
@@ -116,16 +186,14 @@ Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
       const Image image = imageOf(seen, eye.study().screen.gamma);
       const auto png = pngOf(image);
       frame.image = imageFileName(i);
-      Sha256 hash;
-      hash.add(image.rgb);
-      frame.sha256 = hash.hex();
+      frame.sha256 = sha256Of(bytesOf(image));
       folder.write(frame.image, {png.begin(), png.end()});
     }
     for (const auto& map :
          stageMaps(eye.study().output.maps, i, seen, frame.seen.record.eye.focus_D, folder)) {
       frame.maps_sha256.push_back(sha256OfFile(map));
     }
-    frames.push_back(jsonOf(frame));
+    frames.push_back(std::move(frame));
     progress.advance(i + 1);
   }
   return frames;
@@ -133,24 +201,9 @@ Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;  // of a file of a part
 
-std::string hashOf(const std::string& text) {
-  Sha256 hash;
-  hash.add({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
-  return hash.hex();
-}
-
 [[noreturn]] void refuseAltered(const std::filesystem::path& file, const std::string& what) {
   throw InputError(file.string(),
                    "is not the " + what + " that the part rendered; render the part again");
-}
-
-/// @throws InputError unless the bytes are those that the part wrote
-void requireOwn(const std::filesystem::path& file, std::span<const unsigned char> bytes,
-                const std::string& sha256, const std::string& what) {
-  Sha256 hash;
-  hash.add(bytes);
-  if (hash.hex() == sha256) return;
-  refuseAltered(file, what);
 }
 
 }  // namespace
@@ -173,16 +226,23 @@ FrameSpan replayPart(const Study& study, const FramesAsked& asked, const std::fi
   OutputFolder folder(out, guard);
   sayAssumptions(gaze.study, gaze.trace);
   eye.sayDevice();
-  Json frames = renderSpan(eye, own, folder);
+  Part part{.version = versionText(),
+            .configuration = configurationOf(study),
+            .study_sha256 = sha256Of(portable),
+            .span = own,
+            .frames = gaze.schedule.frames,
+            .screen_is_default = study.screen.is_default,
+            .study_file = study.file.string(),
+            .threads = threads,
+            .all = renderSpan(eye, own, folder)};
   eye.addRemark();
-  Json part =
-      headOf(study, own, gaze.schedule.frames, threads, eye.session().devices(), hashes.get());
-  part["warnings"] = rendering.all();
-  part["frames_seen"] = std::move(frames);
-  part["study_sha256"] = hashOf(portable);
-  part["sha256"] = hashOf(jsonText(part));
+  part.device = eye.session().devices();
+  part.inputs = hashes.get();
+  part.warnings = rendering.all();
+  Json json = jsonOf(part);
+  json["sha256"] = sha256Of(jsonText(json));
   folder.write(kStudy, portable);
-  folder.write(kPart, jsonText(part) + "\n");
+  folder.write(kPart, jsonText(json) + "\n");
   folder.commit();
   return own;
 }
@@ -197,17 +257,8 @@ Part readPart(const std::filesystem::path& folder) {
     Json json = Json::parse(text);
     const std::string sha256 = json.at("sha256").get<std::string>();
     json.erase("sha256");
-    altered = hashOf(jsonText(json)) != sha256;
-    part.study_sha256 = json.at("study_sha256").get<std::string>();
-    part.version = json.at("version").get<std::string>();
-    part.configuration = json.at("configuration").get<std::string>();
-    part.span = {json.at("first").get<std::size_t>(), json.at("end").get<std::size_t>()};
-    part.frames = json.at("frames").get<std::size_t>();
-    part.screen_is_default = json.at("screen_is_default").get<bool>();
-    part.study_file = json.at("study").get<std::string>();
-    part.threads = json.at("threads").get<unsigned>();
-    part.device = json.at("device").get<std::string>();
-    part.warnings = json.at("warnings").get<std::vector<std::string>>();
+    altered = sha256Of(jsonText(json)) != sha256;
+    eachFieldOfPart(part, [&](const char* name, auto& value) { json.at(name).get_to(value); });
     for (const Json& input : json.at("inputs")) {
       part.inputs.push_back(
           {input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
@@ -233,7 +284,7 @@ Part readPart(const std::filesystem::path& folder) {
 
 Study studyOf(const Part& part) {
   const std::filesystem::path file = part.folder / kStudy;
-  if (hashOf(bytesOfFile(file, kMostBytes)) != part.study_sha256) refuseAltered(file, "study");
+  if (sha256Of(bytesOfFile(file, kMostBytes)) != part.study_sha256) refuseAltered(file, "study");
   Study study = readStudy(file);
   study.file = part.study_file;
   study.screen.is_default = part.screen_is_default;
@@ -257,7 +308,7 @@ Image imageOf(const Part& part, const PartFrame& frame, const glm::ivec2& size_p
   const std::filesystem::path file = part.folder / frame.image;
   const std::string bytes = bytesOfFile(file, kMostBytes);
   Image image = imageOfPng({bytes.begin(), bytes.end()}, size_px);
-  requireOwn(file, image.rgb, frame.sha256, "image");
+  if (sha256Of(bytesOf(image)) != frame.sha256) refuseAltered(file, "image");
   return image;
 }
 
@@ -268,130 +319,10 @@ std::vector<std::string> mapsOf(const Part& part, std::size_t i,
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const std::filesystem::path file = part.folder / mapFileName(maps[k], part.span.first + i);
     files.push_back(bytesOfFile(file, kMostBytes));
-    const auto* const bytes = reinterpret_cast<const unsigned char*>(files.back().data());
-    requireOwn(file, {bytes, files.back().size()},
-               k < part.all[i].maps_sha256.size() ? part.all[i].maps_sha256[k] : "", "map");
+    const std::vector<std::string>& written = part.all[i].maps_sha256;
+    if (k >= written.size() || sha256Of(files.back()) != written[k]) refuseAltered(file, "map");
   }
   return files;
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json jsonOf(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
-Json jsonOf(const glm::dvec2& point) { return Json::array({point.x, point.y}); }
-
-Json jsonOf(const std::optional<glm::dvec2>& point) {
-  return point ? jsonOf(*point) : Json(nullptr);
-}
-
-std::optional<double> numberOf(const Json& json) {
-  if (json.is_null()) return std::nullopt;
-  return json.get<double>();
-}
-
-glm::dvec2 vectorOf(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>()};
-}
-
-std::optional<glm::dvec2> pointOf(const Json& json) {
-  if (json.is_null()) return std::nullopt;
-  return vectorOf(json);
-}
-
-GazeState stateOf(const Json& json) {
-  const auto state = stateNamed(json.get<std::string>());
-  if (!state) throw std::runtime_error("unknown gaze state");
-  return *state;
-}
-
-}  // namespace
-
-Json jsonOf(const PartFrame& frame) {
-  const FrameRecord& record = frame.seen.record;
-  const EyeNow& eye = record.eye;
-  Json points = Json::array();
-  for (const glm::dvec2& point_px : frame.seen.gaze_px) points.push_back(jsonOf(point_px));
-  Json json = {
-      {"time_s", record.time_s},
-      {"eye_m", {record.eye_m.x, record.eye_m.y, record.eye_m.z}},
-      {"world_from_eye_xyzw",
-       {record.world_from_eye.x, record.world_from_eye.y, record.world_from_eye.z,
-        record.world_from_eye.w}},
-      {"sample_time_s", eye.sample ? Json(eye.sample->time_s) : Json(nullptr)},
-      {"state", std::string(nameOf(eye.state))},
-      {"gaze_px", jsonOf(record.gaze_px)},
-      {"fixation_px", jsonOf(record.fixation_px)},
-      {"image_px", points},
-      {"surface_distance_m", jsonOf(eye.surface_distance_m)},
-      {"vergence_D", eye.vergence ? Json(eye.vergence->value_D) : Json(nullptr)},
-      {"vergence_error_D", eye.vergence ? Json(eye.vergence->error_D) : Json(nullptr)},
-      {"target_D", jsonOf(eye.target_D)},
-      {"focus_D", eye.focus_D},
-      {"pupil_mm", record.pupil_mm},
-      {"method", record.method},
-      {"splats", record.stats.splats},
-      {"fragments", record.stats.fragments},
-      {"tolerance_error", jsonOf(record.stats.tolerance_error)},
-      {"tolerance_met",
-       record.stats.tolerance_met ? Json(*record.stats.tolerance_met) : Json(nullptr)},
-      {"quality_level",
-       record.stats.quality_level ? Json(textOf(*record.stats.quality_level)) : Json(nullptr)},
-      {"render_ms", record.stats.ms},
-      {"rendered", record.rendered},
-      {"marker", frame.seen.marker},
-  };
-  if (!frame.image.empty()) {
-    json["image"] = frame.image;
-    json["sha256"] = frame.sha256;
-  }
-  if (!frame.maps_sha256.empty()) json["maps_sha256"] = frame.maps_sha256;
-  return json;
-}
-
-PartFrame partFrameOf(const Json& json) {
-  PartFrame frame;
-  FrameRecord& record = frame.seen.record;
-  EyeNow& eye = record.eye;
-  record.time_s = eye.time_s = json.at("time_s").get<double>();
-  if (const auto time_s = numberOf(json.at("sample_time_s"))) {
-    eye.sample = GazeSample{.time_s = *time_s};
-  }
-  eye.state = stateOf(json.at("state"));
-  record.gaze_px = pointOf(json.at("gaze_px"));
-  record.fixation_px = pointOf(json.at("fixation_px"));
-  for (const Json& point : json.at("image_px")) frame.seen.gaze_px.push_back(vectorOf(point));
-  const Json& at = json.at("eye_m");
-  record.eye_m = {at.at(0).get<double>(), at.at(1).get<double>(), at.at(2).get<double>()};
-  const Json& turn = json.at("world_from_eye_xyzw");
-  record.world_from_eye = {turn.at(3).get<double>(), turn.at(0).get<double>(),
-                           turn.at(1).get<double>(), turn.at(2).get<double>()};
-  eye.surface_distance_m = numberOf(json.at("surface_distance_m"));
-  if (const auto vergence_D = numberOf(json.at("vergence_D"))) {
-    eye.vergence = {.value_D = *vergence_D, .error_D = json.at("vergence_error_D").get<double>()};
-  }
-  eye.target_D = numberOf(json.at("target_D"));
-  eye.focus_D = json.at("focus_D").get<double>();
-  record.pupil_mm = json.at("pupil_mm").get<double>();
-  record.method = json.at("method").get<std::string>();
-  record.stats.splats = json.at("splats").get<std::uint64_t>();
-  record.stats.fragments = json.at("fragments").get<std::uint64_t>();
-  record.stats.tolerance_error = numberOf(json.at("tolerance_error"));
-  if (const Json& met = json.at("tolerance_met"); !met.is_null()) {
-    record.stats.tolerance_met = met.get<bool>();
-  }
-  if (const Json& level = json.at("quality_level"); !level.is_null()) {
-    record.stats.quality_level = qualityLevelFrom(level.get<std::string>());
-  }
-  record.stats.ms = json.at("render_ms").get<double>();
-  record.rendered = json.at("rendered").get<bool>();
-  frame.seen.marker = json.at("marker").get<bool>();
-  frame.image = json.value("image", "");
-  frame.sha256 = json.value("sha256", "");
-  frame.maps_sha256 = json.value("maps_sha256", std::vector<std::string>());
-  return frame;
 }
 
 }  // namespace foci

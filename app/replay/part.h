@@ -7,7 +7,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -39,20 +38,20 @@ struct PartFrame {
 };
 
 struct Part {
-  std::filesystem::path folder;
-  std::string version;        ///< of foci
-  std::string configuration;  ///< of the study, as JSON
-  std::string study_sha256;   ///< of the folder's study.toml
-  FrameSpan span;
+  std::filesystem::path folder{};
+  std::string version{};        ///< of foci
+  std::string configuration{};  ///< of the study, as JSON
+  std::string study_sha256{};   ///< of the folder's study.toml
+  FrameSpan span{};
   std::size_t frames = 0;  ///< of the whole run
   bool screen_is_default = false;
-  std::filesystem::path study_file;  ///< of the run, which the folder's study comes from
+  std::string study_file{};  ///< of the run, which the folder's study comes from
   unsigned threads = 0;
-  std::string device;
-  std::vector<std::string> warnings;  ///< of rendering; the inputs' come again with the inputs
-  std::vector<InputFile> inputs;      ///< by the names that the run was given
-  std::vector<std::filesystem::path> input_places;  ///< of the inputs, absolute
-  std::vector<PartFrame> all;                       ///< the frames of the span
+  std::string device{};
+  std::vector<std::string> warnings{};  ///< of rendering; the inputs' come again with the inputs
+  std::vector<InputFile> inputs{};      ///< by the names that the run was given
+  std::vector<std::filesystem::path> input_places{};  ///< of the inputs, absolute
+  std::vector<PartFrame> all{};                       ///< the frames of the span
 };
 
 /// The files that a part of the study writes, and images that an earlier part left.
@@ -83,10 +82,5 @@ Image imageOf(const Part& part, const PartFrame& frame, const glm::ivec2& size_p
 /// @param maps  of the study
 /// @throws InputError as `imageOf`
 std::vector<std::string> mapsOf(const Part& part, std::size_t i, const std::vector<FrameMap>& maps);
-
-nlohmann::ordered_json jsonOf(const PartFrame& frame);
-
-/// @throws nlohmann::json::exception, std::runtime_error
-PartFrame partFrameOf(const nlohmann::ordered_json& json);
 
 }  // namespace foci

@@ -178,7 +178,7 @@ void writeCard(std::ostream& out, const BatchResult& result) {
   const RunSummary& run = result.run.summary;
   out << "<figure><a href=\"" << hrefOf(result.recording.name)
       << "/report.html\"><img alt=\"frame at " << decimal(result.run.image.time_s, 2)
-      << " s\" src=\"" << jpegUri(result.run.image.jpeg) << "\"></a><figcaption><a href=\""
+      << " s\" src=\"" << imageUri(result.run.image.jpeg) << "\"></a><figcaption><a href=\""
       << hrefOf(result.recording.name) << "/report.html\">" << escaped(result.recording.name)
       << "</a><br>" << decimal(run.duration_s, 1) << " s &middot; " << run.fixations
       << " fixations &middot; " << run.saccades << " saccades &middot; "
@@ -241,8 +241,7 @@ std::string recordingsPage(const Study& study, const std::vector<BatchResult>& r
       << numberCell(std::to_string(saccades), "saccades") << "</div>\n";
   if (failed > 0) writeProblems(out, results);
   out << "<h2>Runs</h2>\n<p class=\"quiet\">A frame from the middle of each run, at which a "
-         "fixation "
-         "had lasted longest. It links to the report.</p>\n<div class=\"sheet\">\n";
+         "fixation had lasted longest. It links to the report.</p>\n<div class=\"sheet\">\n";
   for (const BatchResult& result : results) {
     if (result.problem.empty()) writeCard(out, result);
   }

@@ -46,7 +46,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   if (request.focus_D) settings.focus.fixed_D = request.focus_D;
   constexpr double kRate_Hz = 1000.0;  // of no samples
   Session session(settings, cloud, settings.screen, kRate_Hz, 0.0);
-  if (const std::string remark = eyeRemark(study); !remark.empty()) warnings.add(remark);
+  warnings.add(eyeRemark(study));
   if (const std::string device = session.deviceOf(settings.method);
       settings.device == RenderDevice::gpu || !device.starts_with("the CPU")) {
     say("renders on " + device);
@@ -87,7 +87,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
                  decimal(*record.stats.tolerance_error, 1) +
                  ": method auto has no better quality level (docs/methods.md)");
   }
-  if (const std::string remark = session.deviceRemark(); !remark.empty()) warnings.add(remark);
+  warnings.add(session.deviceRemark());
   OutputFiles files(request.guard);
   using Path = std::filesystem::path;
   files.write(request.out, [&](const Path& to) { writeImage(to, frame, study.screen.gamma); });

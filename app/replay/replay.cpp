@@ -35,7 +35,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   ReplayedEye eye(study, gaze, cloud, warnings);
   eye.requireSceneInView(cloud);
   InputHashes hashes(study, scene.hashed);
-  if (const std::string remark = eyeRemark(study); !remark.empty()) warnings.add(remark);
+  warnings.add(eyeRemark(study));
 
   RunWriter writer(study, gaze, cloud, out, guard, warnings);
   sayAssumptions(study, gaze.trace);

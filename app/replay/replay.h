@@ -1,7 +1,6 @@
 // `foci replay`: a recorded gaze goes in, what the eye would have seen comes out.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -7,9 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "app/platform/interrupt.h"
 #include "app/platform/sha256.h"
-#include "app/record/record_files.h"
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "base/input_error.h"
@@ -29,8 +27,7 @@ std::vector<TraceTrial> trialsOf(const Study& study, const GazeTrace& trace, War
     });
     if (!any) {
       warnings.add(study.file.string(),
-                   "no [[trial]] lies within the recording, whose clock runs "
-                   "from " +
+                   "no [[trial]] lies within the recording, whose clock runs from " +
                        decimal(first_s, 3) + " to " + decimal(last_s, 3) + " s");
     }
     return study.trials;
@@ -80,13 +77,10 @@ ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
                                               std::to_string(size_px.y) +
                                               " px: expected even numbers, as H.264 wants");
   }
-  for (const std::string& remark : headRemarks(inputs.study, inputs.trace)) {
-    warnings.add(study.gaze.source, remark);
-  }
+  warnings.addAll(study.gaze.source, headRemarks(inputs.study, inputs.trace));
   const auto& samples = inputs.trace.samples;
-  const bool has_pupil = std::any_of(samples.begin(), samples.end(), [](const GazeSample& sample) {
-    return sample.pupil_mm.has_value();
-  });
+  const bool has_pupil = std::ranges::any_of(
+      samples, [](const GazeSample& sample) { return sample.pupil_mm.has_value(); });
   if (study.observer.pupil == PupilModel::recording && !has_pupil && !study.record.frames) {
     throw InputError(study.file.string(),
                      "observer.pupil = \"recording\": the gaze has no pupil in millimetres; "
@@ -153,7 +147,7 @@ Schedule recordedSchedule(const Study& study, double start_s) {
     return frame.time_s >= start_s + seconds.x && frame.time_s <= start_s + seconds.y;
   };
   auto& all = schedule.recorded;
-  const auto begin = std::find_if(all.begin(), all.end(), within);
+  const auto begin = std::ranges::find_if(all, within);
   if (begin == all.end()) {
     throw InputError(study.file.string(), "output.seconds: no frame of the record lies within");
   }

@@ -3,9 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
-#include <filesystem>
 #include <future>
-#include <optional>
 #include <vector>
 
 #include "app/platform/warnings.h"
@@ -67,8 +65,7 @@ class InputHashes {
   explicit InputHashes(const Study& study, std::vector<InputFile> known = {});
   /// Stops the work.
   ~InputHashes();
-  InputHashes(const InputHashes&) = delete;
-  InputHashes& operator=(const InputHashes&) = delete;
+  InputHashes& operator=(InputHashes&&) = delete;  // nor copied
 
   /// Waits for them. Call it once.
   /// @throws InputError, std::runtime_error after a signal

@@ -111,10 +111,7 @@ void ReplayedEye::sayDevice() {
   if (!recorded.empty() && !same) warnOfRounding();
 }
 
-void ReplayedEye::addRemark() {
-  const std::string remark = session_.deviceRemark();
-  if (!remark.empty()) warnings_.add(remark);
-}
+void ReplayedEye::addRemark() { warnings_.add(session_.deviceRemark()); }
 
 void ReplayedEye::compareDevices() {
   const std::string& recorded = study_.record.device;

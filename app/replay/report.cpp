@@ -1,16 +1,13 @@
 #include "app/replay/report.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
-#include <functional>
 #include <ranges>
 #include <sstream>
 #include <stdexcept>
 
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
-#include "app/record/manifest.h"
 #include "app/record/tables.h"
 #include "app/replay/methods_text.h"
 #include "app/replay/report_explorer.h"
@@ -244,7 +241,7 @@ void contactSheet(std::ostream& out, const ReportFacts& facts) {
   for (const SheetImage& image : facts.sheet) {
     out << "<figure class=\"seek\" data-at=\"" << decimal(image.time_s, 4) << "\" data-trial=\""
         << escaped(trialAt(facts.trials, image.time_s)) << "\"><img alt=\"frame at "
-        << decimal(image.time_s, 2) << " s\" src=\"" << jpegUri(image.jpeg) << "\"><figcaption>"
+        << decimal(image.time_s, 2) << " s\" src=\"" << imageUri(image.jpeg) << "\"><figcaption>"
         << stateMark(image.state) << nameOf(image.state) << " &middot; <span data-time=\""
         << decimal(image.time_s, 2) << "\">" << decimal(image.time_s, 2) << "</span> s<br>focus "
         << decimal(image.focus_D, 2) << " D, " << distanceText(image.focus_D);
@@ -268,9 +265,8 @@ std::string objectsText(const std::vector<ObjectLooks>& objects) {
   constexpr std::size_t kMost = 40;
   std::string text =
       "<h2 id=\"objects\">What the gaze met</h2>\n<div "
-      "class=\"wide\"><table><tr><th>object</th><th>first look, "
-      "s</th><th>dwell time, s</th><th>fixations</th><th>visits</th><th>mean distance, "
-      "m</th></tr>\n";
+      "class=\"wide\"><table><tr><th>object</th><th>first look, s</th><th>dwell time, "
+      "s</th><th>fixations</th><th>visits</th><th>mean distance, m</th></tr>\n";
   for (std::size_t i = 0; i < std::min(seen.size(), kMost); ++i) {
     const ObjectLooks& one = *seen[i];
     text += "<tr><td>" + escaped(one.name) + "</td><td>" +
@@ -318,14 +314,13 @@ void heatSection(std::ostream& out, const ReportFacts& facts) {
   out << "<h2 id=\"heat\">Where gaze rested</h2>\n<div class=\"pair\">\n";
   for (const HeatPicture& picture : facts.heat) {
     out << "<figure><img alt=\"heatmap " << escaped(picture.caption) << "\" src=\""
-        << jpegUri(jpegOf(picture.image)) << "\"><figcaption>" << escaped(picture.caption)
+        << imageUri(jpegOf(picture.image)) << "\"><figcaption>" << escaped(picture.caption)
         << "</figcaption></figure>\n";
   }
   out << "</div>\n"
       << heatBarHtml(facts.most_heat_s_per_m2)
       << "<p class=\"quiet\">Seconds of gaze per square metre of the surface; grey was not looked "
-         "at. "
-         "The scale ends at what 1 % of the time exceeds.</p>\n";
+         "at. The scale ends at what 1 % of the time exceeds.</p>\n";
 }
 
 }  // namespace
@@ -348,8 +343,7 @@ std::string writeReport(const std::filesystem::path& file, const std::filesystem
   if (facts.scene) writeSceneSection(out, *facts.scene, first_s, last_s);
   out << "<h2 id=\"sheet\">Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay "
          "the frame at which a fixation had lasted longest. The ring marks the gaze; broken, where "
-         "the eye does not "
-         "fixate.</p>\n";
+         "the eye does not fixate.</p>\n";
   contactSheet(out, facts);
   out << objectsText(facts.objects);
   heatSection(out, facts);

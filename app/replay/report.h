@@ -1,14 +1,12 @@
 // report.html: a replay on one page that opens from disk.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/record/manifest.h"
-#include "app/record/run_events.h"
 #include "app/replay/contact_sheet.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"

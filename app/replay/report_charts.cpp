@@ -1,8 +1,8 @@
 #include "app/replay/report_charts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include "app/replay/gaze_in_scene.h"
 #include "base/text.h"
@@ -142,22 +142,9 @@ std::string stateKeys(const std::vector<ChartRow>& rows) {
 }  // namespace
 
 const char* colorOf(GazeState state) {
-  switch (state) {
-    case GazeState::fixation:
-      return "#3a9d6e";
-    case GazeState::saccade:
-    case GazeState::oscillation:
-      return "#d9822b";
-    case GazeState::pursuit:
-      return "#8e6bbf";
-    case GazeState::blink:
-      return "#7a8190";
-    case GazeState::lost:
-      return "#c94a4a";
-    case GazeState::unjudged:
-      return "#b8a04a";
-  }
-  return "#c94a4a";
+  constexpr std::array<const char*, kGazeStates> kColors{"#3a9d6e", "#d9822b", "#d9822b", "#8e6bbf",
+                                                         "#7a8190", "#c94a4a", "#b8a04a"};
+  return kColors.at(static_cast<std::size_t>(state));
 }
 
 void ChartSeries::add(const ChartRow& row) {

@@ -174,8 +174,7 @@ std::string fixationRows(const std::string& table) {
 
 std::string clockChoice() {
   return "<p><label>Time <select id=\"timed\"><option value=\"own\">on the recording's "
-         "clock</option>"
-         "<option value=\"zero\">from zero</option></select></label></p>\n";
+         "clock</option><option value=\"zero\">from zero</option></select></label></p>\n";
 }
 
 std::string explorerScript(const std::vector<ChartRow>& rows, const Screen& screen) {

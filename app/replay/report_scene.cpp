@@ -1,7 +1,6 @@
 #include "app/replay/report_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
@@ -265,8 +264,7 @@ void writeSceneSection(std::ostream& out, const SceneView& view, double first_s,
          "view are below.</p>\n<div id=\"scene-live\"><canvas id=\"view\" tabindex=\"0\" "
          "aria-label=\"the scene with fixations and lines of sight; arrow keys turn it, + and - "
          "zoom\"></canvas>\n<p><label>Time <input type=\"range\" id=\"when\" min=\"0\" "
-         "step=\"any\" "
-         "value=\"0\" max=\""
+         "step=\"any\" value=\"0\" max=\""
       << decimal(duration_s, 6) << "\"> <span id=\"clock\">" << decimal(first_s, 2)
       << " s</span></label></p>\n<p>"
          "<label><input type=\"checkbox\" id=\"heat-on\"> heat</label>"
@@ -280,8 +278,7 @@ void writeSceneSection(std::ostream& out, const SceneView& view, double first_s,
   for (int i = 1; i <= 12; ++i)
     out << ", " << hexOf(heatAt(ColorMap::inferno, float(i) / 12.0f, 0.0f));
   out << ")\"></span> <span id=\"heat-most\"></span> s/m&sup2; of fixation on the surface, "
-         "smoothed by "
-         "a Gaussian of "
+         "smoothed by a Gaussian of "
       << significant(kGazeMapSigma_deg, 2)
       << " deg</p>\n<p class=\"quiet\">Drag to turn, with Shift to move; after a click the wheel "
          "zooms. Discs are fixations, with a radius of 1 deg for 1 s and an area that grows with "

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "app/record/record_files.h"
 #include "app/study/live_change.h"
 #include "app/study/study.h"
 

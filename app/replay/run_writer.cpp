@@ -1,12 +1,10 @@
 #include "app/replay/run_writer.h"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 #include "app/graphics/image.h"
 #include "app/record/gaze_marker.h"
-#include "app/record/manifest.h"
 #include "app/record/run_events.h"
 #include "app/replay/frame_maps.h"
 #include "app/replay/gaze_in_scene.h"
@@ -14,7 +12,7 @@
 #include "app/replay/methods_text.h"
 #include "app/replay/report.h"
 #include "app/study/study_words.h"
-#include "render/image/image_file.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -68,10 +66,7 @@ RunSummary summaryOf(const Schedule& schedule, const std::vector<GazeEvent>& eve
 }  // namespace
 
 std::string imageFileName(std::size_t frame) {
-  constexpr std::size_t kDigits = 6;
-  std::string number = std::to_string(frame);
-  number.insert(0, kDigits - std::min(kDigits, number.size()), '0');
-  return kImage + number + kImageEnd;
+  return kImage + printed("%06zu", frame) + kImageEnd;
 }
 
 std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder) {
@@ -181,12 +176,8 @@ RunResult RunWriter::finish(const RunFacts& run) {
   facts.sheet = sheet_.images(study_.imageSize_px());
   facts.run = changesOfRun(study_, gaze_.changes, gaze_.trace.markers, schedule.time_s(0),
                            schedule.time_s(schedule.frames - 1));
-  if (const std::string warning = toleranceText(study_, facts); !warning.empty()) {
-    warnings_.add(warning);
-  }
-  if (const std::string remark = focusText(study_, facts); !remark.empty()) {
-    warnings_.add(remark);
-  }
+  warnings_.add(toleranceText(study_, facts));
+  warnings_.add(focusText(study_, facts));
   if (study_.eye.recorded) {
     for (const std::string& doubt : agreement_.doubts()) {
       warnings_.add(study_.gaze.source, doubt);

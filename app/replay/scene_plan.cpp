@@ -140,7 +140,7 @@ std::string scenePlanSvg(const SceneView& view, SceneSide from) {
                 paper.size_px.x, " ", paper.size_px.y, "\" role=\"img\" aria-label=\"",
                 from == SceneSide::above ? "plan" : "side view", " of the scene, with ",
                 counted(view.fixations.size(), "fixation"), "\"><image width=", size, " href=\"",
-                jpegUri(jpegOf(imageOn(paper, view.points))), "\"/>", linesOn(paper, view.lines),
+                imageUri(jpegOf(imageOn(paper, view.points))), "\"/>", linesOn(paper, view.lines),
                 fixationsOn(paper, view.fixations),
                 "<polyline fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"2\" points=\"", path,
                 "\"/><circle fill=\"#1f5fa8\" r=\"5\"",

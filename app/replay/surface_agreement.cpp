@@ -34,9 +34,8 @@ std::vector<std::string> SurfaceAgreement::doubts() const {
   std::vector<std::string> doubts;
   if (exceeds(without_surface_, fixated_, kMostWithout)) {
     doubts.push_back("gaze meets no surface in " + percentOf(without_surface_, fixated_) +
-                     " of the fixated frames: is the recording where the scene is "
-                     "(scene.scale_m, gaze.scene_rotation, gaze.scene_scale, "
-                     "gaze.scene_offset_m)?");
+                     " of the fixated frames: is the recording where the scene is (scene.scale_m, "
+                     "gaze.scene_rotation, gaze.scene_scale, gaze.scene_offset_m)?");
   }
   if (exceeds(diverge_, compared_, kOftenDiverge)) {
     doubts.push_back("the lines of sight of both eyes diverge in " +

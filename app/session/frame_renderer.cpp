@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "app/session/auto_method.h"
 #include "render/splat/sweep.h"

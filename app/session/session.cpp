@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "app/session/auto_method.h"
-#include "app/session/observer_eye.h"
 #include "base/input_error.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/optics/view.h"

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <utility>
 
 #include "base/parallel.h"
-#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 namespace {

@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
-#include <utility>
 #include <vector>
 
 #include "app/study/entered_view.h"

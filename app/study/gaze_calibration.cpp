@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "calibration/camera/camera.h"
-#include "calibration/gaze_map/gaze_map.h"
 
 namespace foci {
 

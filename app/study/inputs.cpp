@@ -1,7 +1,6 @@
 #include "app/study/inputs.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -9,7 +8,6 @@
 
 #include "app/study/gaze_calibration.h"
 #include "app/study/scene_cache.h"
-#include "app/study/scene_text.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/view_remarks.h"
 #include "base/input_error.h"
@@ -18,10 +16,8 @@
 #include "gaze/sources/trace_reader.h"
 #include "render/lod/moment_tree.h"
 #include "render/optics/view.h"
-#include "render/scene/builtin/procedural.h"
 #include "render/scene/gaussian_tree.h"
 #include "render/scene/io/mesh_files.h"
-#include "render/scene/io/open_scene.h"
 #include "render/scene/joined_scene.h"
 
 namespace foci {
@@ -129,7 +125,7 @@ void addRemarks(const std::filesystem::path& file, const OpenedScene& scene, War
                  counted(scene.dropped, scene.cloud.gaussians ? "Gaussian" : "point") +
                      " left out: not finite, or farther than 1e9 units from the origin");
   }
-  for (const std::string& remark : scene.remarks) warnings.add(file.string(), remark);
+  warnings.addAll(file.string(), scene.remarks);
 }
 
 namespace {
@@ -232,13 +228,9 @@ SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<Scen
       study.scene.file ? loadSceneFile(study, std::move(scene), warnings) : builtinScene(study);
   SurfelCloud cloud = withParts(study, std::move(first), warnings);
   if (study.scene.file || study.eye.position_m || !study.eye.path.empty() || study.eye.recorded) {
-    for (const std::string& remark : viewRemarks(study, cloud)) {
-      warnings.add(study.file.string(), remark);
-    }
+    warnings.addAll(study.file.string(), viewRemarks(study, cloud));
   }
-  if (const std::string remark = memoryRemark(study, cloud); !remark.empty()) {
-    warnings.add(study.file.string(), remark);
-  }
+  warnings.add(study.file.string(), memoryRemark(study, cloud));
   return sorted(std::move(cloud));
 }
 
@@ -267,7 +259,7 @@ GazeTrace loadNamedGaze(const Study& study) {
 
 GazeTrace loadGaze(const Study& study, Warnings& warnings) {
   GazeTrace trace = loadNamedGaze(study);
-  for (const std::string& warning : trace.warnings) warnings.add(study.gaze.source, warning);
+  warnings.addAll(study.gaze.source, trace.warnings);
   trace.rate_Hz = study.record.rate_Hz.value_or(trace.rate_Hz);
   return trace;
 }

@@ -1,79 +1,46 @@
 #include "app/study/key_table.h"
 
-#include <algorithm>
-#include <cctype>
-
-#include "base/nearest.h"
+#include <sstream>
 
 namespace foci {
 namespace {
 
-/// A word that people use for what a key sets.
-struct Synonym {
-  std::string_view section;  ///< of the unknown key; empty: any
-  std::string_view word;     ///< the unknown key without section and unit
-  std::string_view key;
+/// Words that people use for what a key sets, apart by blanks: without units, and with a section
+/// where they mean it only there.
+struct Synonyms {
+  std::string_view key, words;
 };
 
-constexpr Synonym kSynonyms[] = {
-    {"", "aperture", "observer.pupil_mm"},
-    {"", "pupil_diameter", "observer.pupil_mm"},
-    {"", "pupil_size", "observer.pupil_mm"},
-    {"observer", "diameter", "observer.pupil_mm"},
-    {"", "interpupillary_distance", "observer.ipd_mm"},
-    {"", "interocular_distance", "observer.ipd_mm"},
-    {"", "eye_separation", "observer.ipd_mm"},
-    {"", "prescription", "observer.sphere_D"},
-    {"", "spherical", "observer.sphere_D"},
-    {"", "astigmatism", "observer.cylinder_D"},
-    {"observer", "glasses", "observer.corrected"},
-    {"observer", "accommodation", "focus.accommodation"},
-    {"gaze", "file", "gaze.source"},
-    {"gaze", "path", "gaze.source"},
-    {"", "trace", "gaze.source"},
-    {"", "recording", "gaze.source"},
-    {"gaze", "timestamp", "gaze.time"},
-    {"gaze", "sampling_rate", "gaze.rate_Hz"},
-    {"scene", "path", "scene.file"},
-    {"scene", "mesh", "scene.file"},
-    {"scene", "model", "scene.file"},
-    {"scene", "points", "scene.file"},
-    {"scene", "unit", "scene.scale_m"},
-    {"scene", "units", "scene.scale_m"},
-    {"scene", "colour", "scene.background"},
-    {"scene", "color", "scene.background"},
-    {"eye", "target", "eye.look_at_m"},
-    {"eye", "direction", "eye.look_at_m"},
-    {"eye", "location", "eye.position_m"},
-    {"camera", "target", "eye.look_at_m"},
-    {"camera", "position", "eye.position_m"},
-    {"camera", "look_at", "eye.look_at_m"},
-    {"screen", "resolution", "screen.size_px"},
-    {"screen", "width", "screen.size_m"},
-    {"screen", "height", "screen.size_m"},
-    {"", "viewing_distance", "screen.distance_m"},
-    {"screen", "brightness", "screen.luminance_cd_m2"},
-    {"output", "resolution", "output.size_px"},
-    {"output", "width", "output.size_px"},
-    {"output", "height", "output.size_px"},
-    {"", "framerate", "output.fps"},
-    {"", "frame_rate", "output.fps"},
-    {"", "frames_per_second", "output.fps"},
-    {"output", "duration", "output.seconds"},
-    {"output", "frames", "output.images"},
-    {"output", "png", "output.images"},
-    {"output", "stereo", "output.view"},
-    {"output", "cursor", "output.marker"},
-    {"focus", "distance", "focus.fixed_D"},
-    {"", "focus_distance", "focus.fixed_D"},
-    {"", "focal_distance", "focus.fixed_D"},
-    {"render", "algorithm", "render.method"},
-    {"render", "mode", "render.method"},
-    {"quality", "error", "quality.tolerance"},
-    {"quality", "max_error", "quality.tolerance"},
-    {"quality", "budget", "quality.frame_ms"},
-    {"quality", "level", "render.method"},
-    {"", "random_seed", "seed"},
+constexpr Synonyms kSynonyms[] = {
+    {"observer.pupil_mm", "aperture pupil_diameter pupil_size observer.diameter"},
+    {"observer.ipd_mm", "interpupillary_distance interocular_distance eye_separation"},
+    {"observer.sphere_D", "prescription spherical"},
+    {"observer.cylinder_D", "astigmatism"},
+    {"observer.corrected", "observer.glasses"},
+    {"focus.accommodation", "observer.accommodation"},
+    {"gaze.source", "gaze.file gaze.path trace recording"},
+    {"gaze.time", "gaze.timestamp"},
+    {"gaze.rate_Hz", "gaze.sampling_rate"},
+    {"scene.file", "scene.path scene.mesh scene.model scene.points"},
+    {"scene.scale_m", "scene.unit scene.units"},
+    {"scene.background", "scene.colour scene.color"},
+    {"eye.look_at_m", "eye.target eye.direction camera.target camera.look_at"},
+    {"eye.position_m", "eye.location camera.position"},
+    {"screen.size_px", "screen.resolution"},
+    {"screen.size_m", "screen.width screen.height"},
+    {"screen.distance_m", "viewing_distance"},
+    {"screen.luminance_cd_m2", "screen.brightness"},
+    {"output.size_px", "output.resolution output.width output.height"},
+    {"output.fps", "framerate frame_rate frames_per_second"},
+    {"output.seconds", "output.duration"},
+    {"output.images", "output.frames output.png"},
+    {"output.view", "output.stereo"},
+    {"output.marker", "output.cursor"},
+    {"focus.fixed_D", "focus.distance focus_distance focal_distance"},
+    {"render.method", "render.algorithm render.mode quality.level"},
+    {"quality.tolerance", "quality.error quality.max_error"},
+    {"quality.frame_ms", "quality.budget"},
+    {"seed", "random_seed"},
 };
 
 constexpr std::string_view kUnits[] = {"mm", "m",  "cm", "px", "deg",   "D",  "s",
@@ -132,10 +99,11 @@ std::optional<std::string> suggestedKey(std::string_view unknown,
   if (unknown.size() > 64) return std::nullopt;
   const std::string_view section = sectionOf(unknown), leaf = leafOf(unknown);
   const std::string_view stem = stemOf(unknown);
-  for (const Synonym& synonym : kSynonyms) {
-    const bool section_fits = synonym.section.empty() || synonym.section == section;
-    if (section_fits && synonym.word == stem && isKnown(known, synonym.key)) {
-      return std::string(synonym.key);
+  for (const auto& [key, words] : kSynonyms) {
+    std::istringstream each{std::string(words)};
+    for (std::string word; each >> word;) {
+      const bool section_fits = sectionOf(word).empty() || sectionOf(word) == section;
+      if (section_fits && leafOf(word) == stem && isKnown(known, key)) return std::string(key);
     }
   }
   // The same name misspelt, with another unit, or in another section.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,7 +28,7 @@ std::vector<std::string> sectionsOf(const std::vector<std::string>& known);
 /// A key of T: of a study, or of an element of a list in it.
 template <class T>
 struct Key {
-  std::string_view name;
+  std::string name;
   std::string_view meaning;
   Allowed allowed;
   void (*read)(const toml::value&, const Allowed&, T&);
@@ -39,8 +38,8 @@ struct Key {
 
 /// @param at  the member that the key sets
 template <class T, auto at>
-Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}) {
-  return {name,
+Key<T> key(std::string name, std::string_view meaning, Allowed allowed = {}) {
+  return {std::move(name),
           meaning,
           std::move(allowed),
           [](const toml::value& from, const Allowed& a, T& to) { read(from, a, at(to)); },
@@ -95,11 +94,9 @@ KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const 
   KeyNames given;
   for (const auto& [name, value] : table) {
     const std::string full = prefix + name;
-    const auto found =
-        std::find_if(keys.begin(), keys.end(), [&](const auto& key) { return key.name == full; });
-    const bool is_section = std::any_of(keys.begin(), keys.end(), [&](const auto& key) {
-      return key.name.starts_with(full + ".");
-    });
+    const auto found = std::ranges::find(keys, full, &Key<T>::name);
+    const bool is_section = std::ranges::any_of(
+        keys, [&](const auto& key) { return key.name.starts_with(full + "."); });
     if (found != keys.end()) {
       try {
         found->read(value, found->allowed, to);
@@ -121,12 +118,13 @@ KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const 
 }
 
 /// Reads a list of tables.
-/// @param what   it is, for messages
-/// @param each   one element is, for messages
-/// @param check  throws Expected for a table that lacks a key
-template <class T, class Check>
+/// @param what    it is, for messages
+/// @param each    one element is, for messages
+/// @param needed  keys that no element may lack
+template <class T>
 void readList(const toml::value& from, const std::vector<Key<T>>& keys, const std::string& what,
-              const std::string& each, std::vector<T>& to, const Check& check) {
+              const std::string& each, std::initializer_list<const char*> needed,
+              std::vector<T>& to) {
   if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
     throw Expected{what};
   }
@@ -142,7 +140,9 @@ void readList(const toml::value& from, const std::vector<Key<T>>& keys, const st
       const std::size_t end = text.find(':', 1);
       throw Expected{"a list of " + each + "s", std::stoi(text.substr(1)), text.substr(end)};
     }
-    check(given);
+    for (const char* key : needed) {
+      if (!given.contains(key)) throw Expected{std::string(key) + " in each " + each};
+    }
     to.push_back(value);
   }
 }

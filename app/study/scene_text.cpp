@@ -1,19 +1,13 @@
 #include "app/study/scene_text.h"
 
-#include <cstdio>
-
+#include "app/platform/json_text.h"
 #include "base/text.h"
 
 namespace foci {
 namespace {
 
 std::string numbers(const glm::dvec3& p, const char* between) {
-  const auto text = [](double x) {
-    std::string number(32, '\0');
-    number.resize(static_cast<std::size_t>(std::snprintf(number.data(), number.size(), "%.5g", x)));
-    return number;
-  };
-  return text(p.x) + between + text(p.y) + between + text(p.z);
+  return printed("%.5g%s%.5g%s%.5g", p.x, between, p.y, between, p.z);
 }
 
 std::string countsText(const SceneFacts& facts) {
@@ -47,8 +41,6 @@ std::string unitText(const SceneFacts& facts, const Framing& framing) {
                    : "the file states none";
   return stated + "; foci shows " + exactText(framing.scale_m) + " m a unit: " + framing.why_scale;
 }
-
-nlohmann::ordered_json jsonOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
@@ -100,18 +92,15 @@ nlohmann::ordered_json sceneJson(const SceneFacts& facts, const Framing& framing
     materials.push_back(
         {{"name", material.name}, {"opacity", material.opacity}, {"textures", textures}});
   }
-  nlohmann::ordered_json unit_m = nullptr;
-  if (facts.unit_m) unit_m = *facts.unit_m;
-  return {
-      {"format", nameOf(facts)},          {"points", facts.points},
-      {"triangles", facts.triangles},     {"surfels", facts.surfels},
-      {"gaussians", facts.gaussians},     {"dropped", facts.dropped},
-      {"strays", framing.box.strays},     {"low", jsonOf(framing.box.low)},
-      {"high", jsonOf(framing.box.high)}, {"unit_m", unit_m},
-      {"scale_m", framing.scale_m},       {"size_m", jsonOf(framing.box.size() * framing.scale_m)},
-      {"up", nameOf(framing.up_axis)},    {"normals", facts.has_normals},
-      {"colors", facts.has_colors},       {"opacity", {facts.opacity.x, facts.opacity.y}},
-      {"materials", materials},           {"remarks", facts.remarks}};
+  return {{"format", nameOf(facts)},       {"points", facts.points},
+          {"triangles", facts.triangles},  {"surfels", facts.surfels},
+          {"gaussians", facts.gaussians},  {"dropped", facts.dropped},
+          {"strays", framing.box.strays},  {"low", framing.box.low},
+          {"high", framing.box.high},      {"unit_m", facts.unit_m},
+          {"scale_m", framing.scale_m},    {"size_m", framing.box.size() * framing.scale_m},
+          {"up", nameOf(framing.up_axis)}, {"normals", facts.has_normals},
+          {"colors", facts.has_colors},    {"opacity", facts.opacity},
+          {"materials", materials},        {"remarks", facts.remarks}};
 }
 
 }  // namespace foci

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
@@ -22,6 +21,14 @@
 
 namespace foci {
 namespace {
+
+/// Keys of which a study has only one.
+constexpr std::pair<const char*, const char*> kExclusive[] = {
+    {"scene.file", "scene.builtin"},     {"screen.monitor", "screen.size_px"},
+    {"screen.monitor", "screen.size_m"}, {"screen.monitor", "screen.distance_m"},
+    {"screen.monitor", "screen.gamma"},  {"observer.wavefront", "observer.age_years"},
+    {"eye.path", "eye.position_m"},      {"eye.path", "eye.look_at_m"},
+};
 
 void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
   if (path.is_relative()) path = (folder / path).lexically_normal();
@@ -61,35 +68,21 @@ Study readStudy(const std::filesystem::path& file) {
   study.file = file;
   const auto given = setKeys(study, document, file.string());
 
-  const auto refuseBoth = [&](const char* one, const char* other) {
+  for (const auto& [one, other] : kExclusive) {
     if (given.contains(one) && given.contains(other)) {
       throw InputError(file.string(),
                        std::string(one) + " and " + other + ": expected only one of them");
     }
-  };
-  refuseBoth("scene.file", "scene.builtin");
-  refuseBoth("screen.monitor", "screen.size_px");
-  refuseBoth("screen.monitor", "screen.size_m");
-  refuseBoth("screen.monitor", "screen.distance_m");
-  refuseBoth("screen.monitor", "screen.gamma");
-  refuseBoth("observer.wavefront", "observer.age_years");
-  refuseBoth("eye.path", "eye.position_m");
-  refuseBoth("eye.path", "eye.look_at_m");
+  }
 
   const std::filesystem::path folder = file.parent_path();
-  if (study.scene.file) resolve(*study.scene.file, folder);
+  for (auto* path : {&study.scene.file, &study.screen.monitor, &study.observer.wavefront.file,
+                     &study.observer.field.file, &study.screen.spectra, &study.gaze.map,
+                     &study.gaze.camera, &study.record.frames, &study.record.changes,
+                     &study.record.markers, &study.record.head, &study.remote.folder}) {
+    if (*path) resolve(**path, folder);
+  }
   for (ScenePart& part : study.scene.parts) resolve(part.file, folder);
-  if (study.screen.monitor) resolve(*study.screen.monitor, folder);
-  if (study.observer.wavefront.file) resolve(*study.observer.wavefront.file, folder);
-  if (study.observer.field.file) resolve(*study.observer.field.file, folder);
-  if (study.screen.spectra) resolve(*study.screen.spectra, folder);
-  if (study.gaze.map) resolve(*study.gaze.map, folder);
-  if (study.gaze.camera) resolve(*study.gaze.camera, folder);
-  if (study.record.frames) resolve(*study.record.frames, folder);
-  if (study.record.changes) resolve(*study.record.changes, folder);
-  if (study.record.markers) resolve(*study.record.markers, folder);
-  if (study.record.head) resolve(*study.record.head, folder);
-  if (study.remote.folder) resolve(*study.remote.folder, folder);
   if (auto place = webcamPlaceOf(study.gaze.source)) {
     if (!place->device) {
       resolve(place->file, folder);
@@ -335,21 +328,6 @@ Screen Study::screenInForce() const {
 
 namespace {
 
-/// Keys of which a study has only one: setting the first removes the second.
-constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
-    {"scene.builtin", "scene.file"},
-    {"eye.position_m", "eye.path"},
-    {"eye.look_at_m", "eye.path"},
-    {"eye.path", "eye.position_m"},
-    {"eye.path", "eye.look_at_m"},
-    {"screen.size_px", "screen.monitor"},
-    {"screen.size_m", "screen.monitor"},
-    {"screen.distance_m", "screen.monitor"},
-    {"screen.gamma", "screen.monitor"},
-    {"observer.wavefront", "observer.age_years"},
-    {"observer.age_years", "observer.wavefront"},
-};
-
 /// Whether the text is one TOML value.
 bool isTomlValue(const std::string& text) {
   try {
@@ -386,10 +364,12 @@ void setKeyByOption(Study& study, const std::string& assignment) {
     throw InputError("--set " + shownName(assignment),
                      "expected KEY=VALUE, e.g. observer.pupil_mm=3");
   }
-  const std::string key = assignment.substr(0, at), where = "--set";
-  setToText(study, key, assignment.substr(at + 1), where);
-  for (const auto& [set, removed] : kReplaced) {
-    if (key == set) setKey(study, removed, "null", where);
+  const std::string key = assignment.substr(0, at), value = assignment.substr(at + 1);
+  const std::string where = "--set";
+  setToText(study, key, value, where);
+  for (const auto& [one, other] : kExclusive) {
+    if (value != "null" && key == one) setKey(study, other, "null", where);
+    if (value != "null" && key == other) setKey(study, one, "null", where);
   }
   if (key == "screen.monitor" && study.screen.monitor) {
     overrideKey(study, key, study.screen.monitor->string(), where);  // reads the monitor

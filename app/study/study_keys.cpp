@@ -4,29 +4,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <iterator>
 
 #include "app/study/key_table.h"
 #include "base/input_error.h"
-#include "calibration/toml_file.h"
 #include "render/methods/method.h"
 
 namespace foci {
-
-// `eye.path`, `scene.object`, `scene.part`, `trial` and `observer.wavefront` have types of their
-// own; toml_values.h has the others.
-static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to);
-static std::string write(const std::vector<ScenePart>& parts);
-static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to);
-static std::string write(const std::vector<NamedShape>& shapes);
-static void read(const toml::value& from, const Allowed&, std::vector<TraceTrial>& to);
-static std::string write(const std::vector<TraceTrial>& trials);
-static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
-static std::string write(const std::vector<EyeKeyframe>& path);
-static void read(const toml::value& from, const Allowed& allowed, FieldChoice& to);
-static std::string write(const FieldChoice& field);
-static void read(const toml::value& from, const Allowed& allowed, WavefrontChoice& to);
-static std::string write(const WavefrontChoice& wavefront);
 
 namespace {
 
@@ -40,384 +23,85 @@ std::optional<std::string> expectedEulerOrder(std::string_view order) {
   return "each of x, y and z once, such as \"yxz\"";
 }
 
-#define FOCI_KEY(member, ...)                                    \
-  key < Study, [](auto& study) -> auto& { return study.member; } \
-  > (__VA_ARGS__)
-#define FOCI_KEYFRAME_KEY(member, ...)                                 \
-  key < EyeKeyframe, [](auto& frame) -> auto& { return frame.member; } \
-  > (__VA_ARGS__)
+/// "gaze.pupil" of "gaze.columns.pupil".
+std::string nameOfKey(const std::string& member) {
+  return member.substr(0, member.find('.')) +
+         member.substr(std::min(member.rfind('.'), member.size()));
+}
 
-#define FOCI_SHAPE_KEY(member, ...)                                   \
-  key < NamedShape, [](auto& shape) -> auto& { return shape.member; } \
-  > (__VA_ARGS__)
+// A key of a `Keyed` that is named as its member, and one that has a name of its own.
+#define FOCI_KEY(member, ...) FOCI_KEY_AS(nameOfKey(#member), member, __VA_ARGS__)
+#define FOCI_KEY_AS(name, member, ...)                     \
+  key < Keyed, [](auto& of) -> auto& { return of.member; } \
+  > (name, __VA_ARGS__)
 
-#define FOCI_PART_KEY(member, ...)                                 \
-  key < ScenePart, [](auto& part) -> auto& { return part.member; } \
-  > (__VA_ARGS__)
-
-#define FOCI_TRIAL_KEY(member, ...)                                   \
-  key < TraceTrial, [](auto& trial) -> auto& { return trial.member; } \
-  > (__VA_ARGS__)
+// What a line of sight is read from.
+#define FOCI_SIGHT_KEYS(prefix, sight)                                                         \
+  FOCI_KEY_AS(prefix "direction", sight.direction,                                             \
+              "columns x, y, z of the line of sight, as a unit vector"),                       \
+      FOCI_KEY_AS(prefix "angles", sight.angles,                                               \
+                  "columns of the line of sight as angles: to the right, upwards"),            \
+      FOCI_KEY_AS(prefix "quaternion", sight.quaternion,                                       \
+                  "columns x, y, z, w of the line of sight, as a rotation of straight ahead"), \
+      FOCI_KEY_AS(prefix "point", sight.point,                                                 \
+                  "columns x, y, z of the point that the line of sight meets"),                \
+      FOCI_KEY_AS(prefix "origin", sight.origin,                                               \
+                  "columns x, y, z of the point where the line of sight begins")
 
 constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
 const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
-  static const std::vector<Key<EyeKeyframe>> keys = {
-      FOCI_KEYFRAME_KEY(time_s, "time_s", "time after the recording's first sample, s", {0, 1e6}),
-      FOCI_KEYFRAME_KEY(position_m, "position_m", "where the eye is, m", {-kFar_m, kFar_m}),
-      FOCI_KEYFRAME_KEY(look_at_m, "look_at_m", "point that the centre of the screen shows, m",
-                        {-kFar_m, kFar_m}),
-      FOCI_KEYFRAME_KEY(up, "up", "upwards; absent: eye.up", {-1, 1}),
+  using Keyed = EyeKeyframe;
+  static const std::vector<Key<Keyed>> keys = {
+      FOCI_KEY(time_s, "time after the recording's first sample, s", {0, 1e6}),
+      FOCI_KEY(position_m, "where the eye is, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(look_at_m, "point that the centre of the screen shows, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(up, "upwards; absent: eye.up", {-1, 1}),
   };
   return keys;
 }
 
 const std::vector<Key<NamedShape>>& shapeKeys() {
-  static const std::vector<Key<NamedShape>> keys = {
-      FOCI_SHAPE_KEY(name, "name", "name of the object in the tables"),
-      FOCI_SHAPE_KEY(center_m, "center_m", "centre, m", {-kFar_m, kFar_m}),
-      FOCI_SHAPE_KEY(size_m, "size_m", "edges of a box along the axes, m", {1e-6, kFar_m}),
-      FOCI_SHAPE_KEY(radius_m, "radius_m", "radius of a sphere, m", {1e-6, kFar_m}),
+  using Keyed = NamedShape;
+  static const std::vector<Key<Keyed>> keys = {
+      FOCI_KEY(name, "name of the object in the tables"),
+      FOCI_KEY(center_m, "centre, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(size_m, "edges of a box along the axes, m", {1e-6, kFar_m}),
+      FOCI_KEY(radius_m, "radius of a sphere, m", {1e-6, kFar_m}),
   };
   return keys;
 }
 
 const std::vector<Key<TraceTrial>>& trialKeys() {
   constexpr double kFar_s = 1e12;
-  static const std::vector<Key<TraceTrial>> keys = {
-      FOCI_TRIAL_KEY(name, "name", "name of the trial in the tables"),
-      FOCI_TRIAL_KEY(first_s, "start_s", "on the recording's clock, s", {-kFar_s, kFar_s}),
-      FOCI_TRIAL_KEY(last_s, "end_s", "on the recording's clock, s", {-kFar_s, kFar_s}),
-      FOCI_TRIAL_KEY(type, "type", "such as a condition"),
+  using Keyed = TraceTrial;
+  static const std::vector<Key<Keyed>> keys = {
+      FOCI_KEY(name, "name of the trial in the tables"),
+      FOCI_KEY_AS("start_s", first_s, "on the recording's clock, s", {-kFar_s, kFar_s}),
+      FOCI_KEY_AS("end_s", last_s, "on the recording's clock, s", {-kFar_s, kFar_s}),
+      FOCI_KEY(type, "such as a condition"),
   };
   return keys;
 }
 
 const std::vector<Key<ScenePart>>& partKeys() {
-  static const std::vector<Key<ScenePart>> keys = {
-      FOCI_PART_KEY(file, "file", "as scene.file"),
-      FOCI_PART_KEY(position_m, "position_m", "where the file's origin lies, m", {-kFar_m, kFar_m}),
-      FOCI_PART_KEY(rotation, "rotation", "quaternion x, y, z, w that turns it", {-1, 1}),
-      FOCI_PART_KEY(scale_m, "scale_m", "metres per unit of the file", {kMinScale_m, kMaxScale_m}),
+  using Keyed = ScenePart;
+  static const std::vector<Key<Keyed>> keys = {
+      FOCI_KEY(file, "as scene.file"),
+      FOCI_KEY(position_m, "where the file's origin lies, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(rotation, "quaternion x, y, z, w that turns it", {-1, 1}),
+      FOCI_KEY(scale_m, "metres per unit of the file", {kMinScale_m, kMaxScale_m}),
   };
   return keys;
 }
-
-const std::vector<Key<Study>>& studyKeys() {
-  static const std::vector<Key<Study>> keys = {
-      FOCI_KEY(scene.file, "scene.file",
-               "points, a mesh, 3D Gaussians or a prepared scene (.foci)"),
-      FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, if there is no file",
-               {.words = {"gallery", "plane"}}),
-      FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file",
-               {kMinScale_m, kMaxScale_m}),
-      FOCI_KEY(
-          scene.cache, "scene.cache",
-          "keep the surfels of meshes and scans in the user's cache folder; the frames are the "
-          "same"),
-      FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
-      FOCI_KEY(scene.objects, "scene.object",
-               "boxes { name, center_m, size_m } and spheres { name, center_m, radius_m } that "
-               "name objects; the first match counts"),
-      FOCI_KEY(scene.parts, "scene.part",
-               "further files { file, position_m, rotation, scale_m } of any kind"),
-      FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
-      FOCI_KEY(eye.look_at_m, "eye.look_at_m", "point that the centre of the screen shows, m",
-               {-kFar_m, kFar_m}),
-      FOCI_KEY(eye.up, "eye.up", "upward direction", {-1, 1}),
-      FOCI_KEY(eye.path, "eye.path",
-               "keyframes { time_s, position_m, look_at_m, up } of a moving eye, instead of "
-               "position_m and look_at_m"),
-      FOCI_KEY(screen.monitor, "screen.monitor",
-               "a calibrated screen (foci calibrate screen, PsychoPy), instead of sizes"),
-      FOCI_KEY(screen.size_px, "screen.size_px", "width and height, px", {16, 16384}),
-      FOCI_KEY(screen.size_m, "screen.size_m", "width and height of the visible area, m",
-               {0.01, 20}),
-      FOCI_KEY(screen.distance_m, "screen.distance_m", "eye to screen, m", {0.01, 100}),
-      FOCI_KEY(screen.gamma, "screen.gamma",
-               "gamma of the display, light = code^gamma; absent: sRGB", {1, 4}),
-      FOCI_KEY(screen.luminance_cd_m2, "screen.luminance_cd_m2", "luminance of white, cd/m^2",
-               {1, 10000}),
-      FOCI_KEY(screen.spectra, "screen.spectra",
-               "table of the primaries' spectra for observer.chromatic: wavelength (nm), red, "
-               "green, blue; absent: one wavelength each"),
-      FOCI_KEY(display.kind, "display.kind",
-               "a fixed screen, or a headset, whose screen replaces [screen] and moves with the "
-               "head; default for head poses without a [screen]",
-               {.words = studyWords<DisplayKind>()}),
-      FOCI_KEY(display.field_deg, "display.field_deg",
-               "what the left eye sees in a headset: left, right, up, down, deg; the right eye's "
-               "field is the mirror image; absent: as recorded, else 50 each",
-               {1, 80}),
-      FOCI_KEY(display.pixels_per_degree, "display.pixels_per_degree",
-               "resolution of a headset straight ahead, px/deg", {1, 100}),
-      FOCI_KEY(display.right_field_deg, "display.right_field_deg",
-               "field of the right eye, if not the mirror image", {1, 80}),
-      FOCI_KEY(display.left_eye_m, "display.left_eye_m",
-               "left eye in the head's frame, m; absent: by observer.ipd_mm", {-0.5, 0.5}),
-      FOCI_KEY(display.right_eye_m, "display.right_eye_m", "right eye", {-0.5, 0.5}),
-      FOCI_KEY(display.left_eye_rotation, "display.left_eye_rotation",
-               "cant of the left display: quaternion x, y, z, w from it to the head", {-1, 1}),
-      FOCI_KEY(display.right_eye_rotation, "display.right_eye_rotation", "cant of the right one",
-               {-1, 1}),
-      FOCI_KEY(observer.pupil, "observer.pupil",
-               "fixed, from the recording, or from the luminance of the images",
-               {.words = studyWords<PupilModel>()}),
-      FOCI_KEY(observer.pupil_mm, "observer.pupil_mm",
-               "diameter of the fixed pupil, mm; also until the recording states one", {0.5, 12}),
-      FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
-      FOCI_KEY(observer.ipd_mm, "observer.ipd_mm", "interpupillary distance, mm", {40, 80}),
-      FOCI_KEY(observer.sphere_D, "observer.sphere_D",
-               "sphere of the prescription of both eyes, D; below 0 short-sighted", {-20, 20}),
-      FOCI_KEY(observer.cylinder_D, "observer.cylinder_D",
-               "cylinder of the prescription, D; the power across the axis is sphere + cylinder",
-               {-10, 10}),
-      FOCI_KEY(observer.axis_deg, "observer.axis_deg",
-               "axis of the cylinder, deg, counter-clockwise for somebody who faces the observer",
-               {0, 180}),
-      FOCI_KEY(observer.corrected, "observer.corrected",
-               "true: with glasses of this prescription; false: without"),
-      FOCI_KEY(observer.chromatic, "observer.chromatic",
-               "red, green and blue have their own focus; a frame takes three times as long"),
-      FOCI_KEY(observer.wavelengths, "observer.wavelengths",
-               "wavelengths that sample screen.spectra, one rendering each", {3, 31}),
-      FOCI_KEY(observer.wavefront, "observer.wavefront",
-               "Zernike coefficients of both eyes, um, in the order of OSA and ANSI from index 0; "
-               "or an aberrometer's file (CSV)",
-               {-50, 50}),
-      FOCI_KEY(observer.wavefront_pupil_mm, "observer.wavefront_pupil_mm",
-               "diameter of the pupil that the coefficients hold for, mm", {1, 12}),
-      FOCI_KEY(observer.age_years, "observer.age_years",
-               "typical aberrations of this age, without observer.wavefront; focus.age_years "
-               "limits how near the eye focuses",
-               {18, 90}),
-      FOCI_KEY(observer.field, "observer.field",
-               "aberrations beside the line of sight: \"none\", \"typical\" (of ten eyes), or a "
-               "table of coefficients by angle"),
-      FOCI_KEY(observer.spherical_um_per_D, "observer.spherical_um_per_D",
-               "change of the spherical aberration (coefficient 12, pupil of 5 mm) per dioptre of "
-               "accommodation, um/D; young eyes: about -0.05",
-               {-0.5, 0.5}),
-      FOCI_KEY(observer.stiles_crawford, "observer.stiles_crawford",
-               "light near the rim of the pupil counts less"),
-      FOCI_KEY(observer.stiles_crawford_center_mm, "observer.stiles_crawford_center_mm",
-               "where light counts most: towards the nose, upwards, mm", {-3, 3}),
-      FOCI_KEY(observer.pupil_offset_mm, "observer.pupil_offset_mm",
-               "centre of the pupil from the achromatic axis: towards the nose, upwards, mm; "
-               "shifts the colours of observer.chromatic",
-               {-3, 3}),
-      FOCI_KEY(observer.diffraction, "observer.diffraction",
-               "diffraction at 555 nm, where pixels are fine enough to show it"),
-      FOCI_KEY(gaze.source, "gaze.source",
-               "\"simulated\", a recording (TSV, CSV, ASC, XDF), or webcam:VIDEO"),
-      FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
-      FOCI_KEY(gaze.camera, "gaze.camera", "camera of foci calibrate camera"),
-      FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time; its name, or #1 for the first"),
-      FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
-      FOCI_KEY(gaze.columns.y, "gaze.y", "column of the vertical position"),
-      FOCI_KEY(gaze.columns.rows, "gaze.rows",
-               "columns and values of the rows to read, such as { participant = \"A\" }"),
-      FOCI_KEY(gaze.columns.stream, "gaze.stream",
-               "stream of an XDF file, by name or number (\"#2\"); its channels are the columns"),
-      FOCI_KEY(gaze.trial_marker, "gaze.trial_marker",
-               "begins the event markers (messages) that begin a trial; absent: TRIALID"),
-      FOCI_KEY(gaze.columns.pupil, "gaze.pupil", "column of the pupil's diameter"),
-      FOCI_KEY(gaze.columns.blink, "gaze.blink", "column that marks blinks"),
-      FOCI_KEY(gaze.columns.confidence, "gaze.confidence",
-               "column of the confidence, 0 to 1; below 0.6 there is no gaze"),
-      FOCI_KEY(gaze.columns.eyes[0].x, "gaze.left_x", "column of the horizontal position"),
-      FOCI_KEY(gaze.columns.eyes[0].y, "gaze.left_y", "column of the vertical position"),
-      FOCI_KEY(gaze.columns.eyes[0].pupil, "gaze.left_pupil", "column of the pupil's diameter"),
-      FOCI_KEY(gaze.columns.eyes[1].x, "gaze.right_x", "column of the horizontal position"),
-      FOCI_KEY(gaze.columns.eyes[1].y, "gaze.right_y", "column of the vertical position"),
-      FOCI_KEY(gaze.columns.eyes[1].pupil, "gaze.right_pupil", "column of the pupil's diameter"),
-      FOCI_KEY(gaze.columns.space.both.direction, "gaze.direction",
-               "columns x, y, z of the line of sight, as a unit vector"),
-      FOCI_KEY(gaze.columns.space.both.angles, "gaze.angles",
-               "columns of the line of sight as angles: to the right, upwards"),
-      FOCI_KEY(gaze.columns.space.both.quaternion, "gaze.quaternion",
-               "columns x, y, z, w of the line of sight, as a rotation of straight ahead"),
-      FOCI_KEY(gaze.columns.space.both.point, "gaze.point",
-               "columns x, y, z of the point that the line of sight meets"),
-      FOCI_KEY(gaze.columns.space.both.origin, "gaze.origin",
-               "columns x, y, z of the point where the line of sight begins"),
-      FOCI_KEY(gaze.columns.space.eyes[0].direction, "gaze.left_direction",
-               "columns x, y, z of the line of sight, as a unit vector"),
-      FOCI_KEY(gaze.columns.space.eyes[0].angles, "gaze.left_angles",
-               "columns of the line of sight as angles: to the right, upwards"),
-      FOCI_KEY(gaze.columns.space.eyes[0].quaternion, "gaze.left_quaternion",
-               "columns x, y, z, w of the line of sight, as a rotation of straight ahead"),
-      FOCI_KEY(gaze.columns.space.eyes[0].point, "gaze.left_point",
-               "columns x, y, z of the point that the line of sight meets"),
-      FOCI_KEY(gaze.columns.space.eyes[0].origin, "gaze.left_origin",
-               "columns x, y, z of the point where the line of sight begins"),
-      FOCI_KEY(gaze.columns.space.eyes[1].direction, "gaze.right_direction",
-               "columns x, y, z of the line of sight, as a unit vector"),
-      FOCI_KEY(gaze.columns.space.eyes[1].angles, "gaze.right_angles",
-               "columns of the line of sight as angles: to the right, upwards"),
-      FOCI_KEY(gaze.columns.space.eyes[1].quaternion, "gaze.right_quaternion",
-               "columns x, y, z, w of the line of sight, as a rotation of straight ahead"),
-      FOCI_KEY(gaze.columns.space.eyes[1].point, "gaze.right_point",
-               "columns x, y, z of the point that the line of sight meets"),
-      FOCI_KEY(gaze.columns.space.eyes[1].origin, "gaze.right_origin",
-               "columns x, y, z of the point where the line of sight begins"),
-      FOCI_KEY(gaze.columns.space.head_position, "gaze.head_position",
-               "columns x, y, z of the head's position; the head then moves the eye"),
-      FOCI_KEY(gaze.columns.space.head_quaternion, "gaze.head_quaternion",
-               "columns x, y, z, w of the head's orientation"),
-      FOCI_KEY(gaze.columns.space.head_angles, "gaze.head_angles",
-               "columns of the head's turn to the right, upwards, and roll to the right, instead "
-               "of the quaternion"),
-      FOCI_KEY(gaze.columns.space.head_euler, "gaze.head_euler",
-               "columns of the head's turns about the recording's x, y and z axes (Unity's "
-               "eulerAngles), instead of the quaternion"),
-      FOCI_KEY(gaze.columns.space.head_euler_order, "gaze.head_euler_order",
-               "order of those turns about the head's own axes", {.expected = expectedEulerOrder}),
-      FOCI_KEY(gaze.columns.space.from_head, "gaze.from_head",
-               "the head's direction is the gaze, in a recording without an eye tracker"),
-      FOCI_KEY(gaze.columns.space.frame, "gaze.frame",
-               "frame of the gaze columns, if the recording has the head's pose",
-               {.words = studyWords<std::optional<SightFrame>>()}),
-      FOCI_KEY(gaze.columns.space.axes, "gaze.axes",
-               "where x, y and z of the recording point: right-up-back (OpenXR), right-up-forward "
-               "(Unity), right-down-forward (OpenCV) or others",
-               {.expected = expectedAxes}),
-      FOCI_KEY(gaze.columns.space.angle_units, "gaze.angle_units", "unit of angles",
-               {.words = studyWords<AngleUnit>()}),
-      FOCI_KEY(gaze.columns.space.head_scale_m, "gaze.head_scale_m",
-               "metres per unit of the head's position", {1e-9, 1e6}),
-      FOCI_KEY(gaze.columns.space.origin_scale_m, "gaze.origin_scale_m",
-               "metres per unit of origins and points", {1e-9, 1e6}),
-      FOCI_KEY(gaze.alignment.rotation, "gaze.scene_rotation",
-               "quaternion x, y, z, w that turns the recording's world to the scene's axes",
-               {-1, 1}),
-      FOCI_KEY(gaze.alignment.scale, "gaze.scene_scale",
-               "scene's metres per metre of the recording", {1e-6, 1e6}),
-      FOCI_KEY(gaze.alignment.offset_m, "gaze.scene_offset_m",
-               "where the recording's origin lies in the scene, m", {-kFar_m, kFar_m}),
-      FOCI_KEY(gaze.columns.missing, "gaze.missing",
-               "number that means data loss, in positions and pupils", {-1e9, 1e9}),
-      FOCI_KEY(gaze.columns.scale, "gaze.scale", "position in gaze.units = scale * column + offset",
-               {-1e6, 1e6}),
-      FOCI_KEY(gaze.columns.offset, "gaze.offset",
-               "position in gaze.units = scale * column + offset", {-1e6, 1e6}),
-      FOCI_KEY(gaze.columns.pupil_scale_mm, "gaze.pupil_scale_mm",
-               "millimetres per unit of the pupil columns", {1e-9, 1e6}),
-      FOCI_KEY(gaze.columns.rate_Hz, "gaze.rate_Hz",
-               "samples per second of a table without a time column", {5, 20000}),
-      FOCI_KEY(gaze.columns.time_scale_s, "gaze.time_scale_s", "seconds per unit of time",
-               {1e-12, 3600}),
-      FOCI_KEY(gaze.columns.units, "gaze.units", "units of the position; auto: as the file says",
-               {.words = studyWords<std::optional<GazeUnits>>()}),
-      FOCI_KEY(gaze.events.detector, "gaze.detector", "what labels the eye movements",
-               {.words = studyWords<Detector>()}),
-      FOCI_KEY(gaze.events.pursuit, "gaze.pursuit",
-               "false: pursuit counts as fixation; absent: false for a headset without head poses, "
-               "else true"),
-      FOCI_KEY(gaze.events.saccade_deg_s, "gaze.saccade_deg_s",
-               "speed above which the detectors rules and ivt find a saccade, deg/s", {1, 1000}),
-      FOCI_KEY(gaze.events.window_s, "gaze.window_s",
-               "time over which the detector rules measures the speed, s", {0.002, 0.5}),
-      FOCI_KEY(gaze.events.delay_s, "gaze.delay_s", "how far the online detector may look ahead, s",
-               {0, 0.2}),
-      FOCI_KEY(gaze.events.max_gap_s, "gaze.max_gap_s", "longest data loss that is filled, s",
-               {0, 1}),
-      FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s",
-               "longest data loss that counts as a blink, s", {0, 10}),
-      FOCI_KEY(focus.cone_deg, "focus.cone_deg",
-               "half-angle of the cone in which foci looks for the surface, deg", {0.01, 20}),
-      FOCI_KEY(focus.coverage, "focus.coverage", "share of the cone that a surface must fill",
-               {0.01, 1}),
-      FOCI_KEY(focus.accommodation.on, "focus.accommodation", "false: focus jumps to its target"),
-      FOCI_KEY(focus.accommodation.latency_s, "focus.latency_s",
-               "time before focus begins to move, s", {0, 5}),
-      FOCI_KEY(focus.accommodation.time_constant_s, "focus.time_constant_s",
-               "time constant of the exponential approach, s", {0.001, 10}),
-      FOCI_KEY(focus.accommodation.far_time_constant_s, "focus.far_time_constant_s",
-               "the same towards a farther target, s; absent: equal", {0.001, 10}),
-      FOCI_KEY(focus.accommodation.age_years, "focus.age_years",
-               "limits how near the eye focuses; absent: no limit", {1, 120}),
-      FOCI_KEY(focus.accommodation.lag, "focus.lag", "focus lags behind near targets"),
-      FOCI_KEY(focus.vergence, "focus.vergence",
-               "focus also depends on the distance at which both lines of sight meet"),
-      FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D",
-               "focus before there is a target, D", {0, 10}),
-      FOCI_KEY(focus.fixed_D, "focus.fixed_D", "fixed focus, D; absent: focus follows the gaze",
-               {0, 20}),
-      FOCI_KEY(render.method, "render.method", "method that renders depth of field: `foci methods`",
-               {.expected = expectedMethod}),
-      FOCI_KEY(render.shading, "render.shading",
-               "share of the colour that falls off with the angle between surface and sight",
-               {0, 1}),
-      FOCI_KEY(render.device, "render.device",
-               "what renders; auto: a GPU with OpenGL 4.5, else the CPU",
-               {.words = studyWords<RenderDevice>()}),
-      FOCI_KEY(quality.tolerance, "quality.tolerance",
-               "error that method auto allows in 95 % of the pixels, just-noticeable differences",
-               {0.1, 100}),
-      FOCI_KEY(quality.frame_ms, "quality.frame_ms",
-               "frame-time budget of method auto, ms, instead of the tolerance; images then depend "
-               "on the machine's speed; absent: none",
-               {1, 1000}),
-      FOCI_KEY(quality.foveated, "quality.foveated",
-               "renders no finer than the eye resolves away from gaze, and reuses frames in "
-               "saccades and blinks (auto)"),
-      FOCI_KEY(output.size_px, "output.size_px",
-               "width and height of the images, px; absent: those of the screen", {16, 8192}),
-      FOCI_KEY(output.fps, "output.fps", "frames per second", {1, 1000}),
-      FOCI_KEY(output.seconds, "output.seconds",
-               "start and end, after the recording's first sample, s", {0, 1e6}),
-      FOCI_KEY(output.marker, "output.marker", "shows where the observer looks"),
-      FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees it"),
-      FOCI_KEY(output.sync_patch, "output.sync_patch",
-               "side of a patch in the lower right corner of foci live, px, whose brightness "
-               "follows the frame number, for a photodiode; 0: none",
-               {0, 1000}),
-      FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
-      FOCI_KEY(output.maps, "output.maps",
-               "also saves EXR maps of every replayed frame: linear RGB, depth in metres, defocus "
-               "in D (above 0: nearer than the focus); for a single view only",
-               {.words = studyWords<FrameMap>()}),
-      FOCI_KEY(output.view, "output.view",
-               "one eye in the middle; both eyes: left beside right, left above right, or left in "
-               "red; or one eye alone",
-               {.words = studyWords<StereoView>()}),
-      FOCI_KEY(record.frames, "record.frames", "frames.tsv of a live run, instead of output.fps"),
-      FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),
-      FOCI_KEY(record.markers, "record.markers",
-               "event_markers.tsv of a live run, which the report shows"),
-      FOCI_KEY(record.head, "record.head", "head.tsv of a headset"),
-      FOCI_KEY(record.rate_Hz, "record.rate_Hz",
-               "samples per second, as the source states it; absent: the median of the recording",
-               {5, 20000}),
-      FOCI_KEY(record.device, "record.device", "what rendered the frames of a live run"),
-      FOCI_KEY(remote.folder, "remote.folder",
-               "folder whose files the remote control of foci live may name (set "
-               "observer.wavefront \"NAME\"); absent: none"),
-      FOCI_KEY(trials, "trial",
-               "trials { name, start_s, end_s, type } on the recording's clock; absent: those of "
-               "the recording"),
-      FOCI_KEY(seed, "seed", "seed of the simulated observer", {0, 9007199254740992.0}),
-  };
-  return keys;
-}
-
-#undef FOCI_KEY
-#undef FOCI_KEYFRAME_KEY
-#undef FOCI_SHAPE_KEY
-#undef FOCI_PART_KEY
 
 }  // namespace
 
+// `eye.path`, `scene.object`, `scene.part`, `trial` and `observer.wavefront` have types of their
+// own; toml_values.h has the others.
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
   readList(from, keyframeKeys(), "a list of at most 10000 { time_s, position_m, look_at_m }",
-           "keyframe", to, [](const KeyNames& given) {
-             for (const char* needed : {"time_s", "position_m", "look_at_m"}) {
-               if (!given.contains(needed)) {
-                 throw Expected{std::string(needed) + " in each keyframe"};
-               }
-             }
-           });
+           "keyframe", {"time_s", "position_m", "look_at_m"}, to);
 }
 
 static std::string write(const std::vector<EyeKeyframe>& path) {
@@ -426,23 +110,17 @@ static std::string write(const std::vector<EyeKeyframe>& path) {
 
 static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to) {
   readList(from, shapeKeys(), "a list of at most 10000 { name, center_m, size_m or radius_m }",
-           "shape", to, [](const KeyNames& given) {
-             for (const char* needed : {"name", "center_m"}) {
-               if (!given.contains(needed)) throw Expected{std::string(needed) + " in each shape"};
-             }
-             if (given.contains("size_m") == given.contains("radius_m")) {
-               throw Expected{"size_m for a box, or radius_m for a sphere, in each shape"};
-             }
-           });
+           "shape", {"name", "center_m"}, to);
+  for (const NamedShape& shape : to) {
+    if (shape.size_m.has_value() == shape.radius_m.has_value()) {
+      throw Expected{"size_m for a box, or radius_m for a sphere, in each shape"};
+    }
+  }
 }
 
 static void read(const toml::value& from, const Allowed&, std::vector<TraceTrial>& to) {
-  readList(from, trialKeys(), "a list of at most 10000 { name, start_s, end_s, type }", "trial", to,
-           [](const KeyNames& given) {
-             for (const char* needed : {"name", "start_s", "end_s"}) {
-               if (!given.contains(needed)) throw Expected{std::string(needed) + " in each trial"};
-             }
-           });
+  readList(from, trialKeys(), "a list of at most 10000 { name, start_s, end_s, type }", "trial",
+           {"name", "start_s", "end_s"}, to);
   for (const TraceTrial& trial : to) {
     if (!(trial.last_s > trial.first_s)) throw Expected{"end_s above start_s in each trial"};
   }
@@ -455,9 +133,7 @@ static std::string write(const std::vector<TraceTrial>& trials) {
 
 static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to) {
   readList(from, partKeys(), "a list of at most 10000 { file, position_m, rotation, scale_m }",
-           "part", to, [](const KeyNames& given) {
-             if (!given.contains("file")) throw Expected{"file in each part"};
-           });
+           "part", {"file"}, to);
   for (const ScenePart& part : to) {
     if (!(glm::length(part.rotation) > 1e-6)) {
       throw Expected{"a rotation of each part that is not 0, 0, 0, 0"};
@@ -467,12 +143,7 @@ static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>
 
 static void read(const toml::value& from, const Allowed& allowed, FieldChoice& to) {
   to = {};
-  try {
-    read(from, allowed, to.file);
-  } catch (const Expected&) {
-    throw Expected{"\"none\", \"typical\" or a file's name"};
-  }
-  if (!to.file) return;
+  readPart("\"none\", \"typical\" or a file's name", from, allowed, to.file);
   to.typical = *to.file == "typical";
   if (to.typical || *to.file == "none") to.file.reset();
 }
@@ -486,25 +157,18 @@ static void read(const toml::value& from, const Allowed& allowed, WavefrontChoic
   const std::string what =
       "a file's name, or a list of at most 66 numbers, each " + rangeText(allowed);
   to = {};
-  try {
-    if (from.is_array() && !from.as_array().empty() && from.as_array().size() <= 66) {
-      for (const toml::value& element : from.as_array()) {
-        read(element, allowed, to.zernike_um.emplace_back());
-      }
-    } else {
-      read(from, allowed, to.file);
-      if (to.file->string().starts_with('[')) throw Expected{what};
+  if (from.is_array() && !from.as_array().empty() && from.as_array().size() <= 66) {
+    for (const toml::value& element : from.as_array()) {
+      readPart(what, element, allowed, to.zernike_um.emplace_back());
     }
-  } catch (const Expected&) {
-    throw Expected{what};
+  } else {
+    readPart(what, from, allowed, to.file);
+    if (to.file->string().starts_with('[')) throw Expected{what};
   }
 }
 
 static std::string write(const WavefrontChoice& wavefront) {
-  if (wavefront.zernike_um.empty()) return write(wavefront.file);
-  std::string text = "[";
-  for (const double um : wavefront.zernike_um) text += (text.size() > 1 ? ", " : "") + write(um);
-  return text + "]";
+  return wavefront.zernike_um.empty() ? write(wavefront.file) : listOf(wavefront.zernike_um);
 }
 
 static std::string write(const std::vector<ScenePart>& parts) {
@@ -514,6 +178,264 @@ static std::string write(const std::vector<ScenePart>& parts) {
 static std::string write(const std::vector<NamedShape>& shapes) {
   return writeList(shapes, shapeKeys());
 }
+
+namespace {
+
+const std::vector<Key<Study>>& studyKeys() {
+  using Keyed = Study;
+  static const std::vector<Key<Keyed>> keys = {
+      FOCI_KEY(scene.file, "points, a mesh, 3D Gaussians or a prepared scene (.foci)"),
+      FOCI_KEY(scene.builtin, "built-in scene, if there is no file",
+               {.words = {"gallery", "plane"}}),
+      FOCI_KEY(scene.scale_m, "metres per unit of the file", {kMinScale_m, kMaxScale_m}),
+      FOCI_KEY(
+          scene.cache,
+          "keep the surfels of meshes and scans in the user's cache folder; the frames are the "
+          "same"),
+      FOCI_KEY(scene.background, "linear RGB behind everything", {0, 1}),
+      FOCI_KEY_AS("scene.object", scene.objects,
+                  "boxes { name, center_m, size_m } and spheres { name, center_m, radius_m } that "
+                  "name objects; the first match counts"),
+      FOCI_KEY_AS("scene.part", scene.parts,
+                  "further files { file, position_m, rotation, scale_m } of any kind"),
+      FOCI_KEY(eye.position_m, "where the eye is, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(eye.look_at_m, "point that the centre of the screen shows, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(eye.up, "upward direction", {-1, 1}),
+      FOCI_KEY(eye.path,
+               "keyframes { time_s, position_m, look_at_m, up } of a moving eye, instead of "
+               "position_m and look_at_m"),
+      FOCI_KEY(screen.monitor,
+               "a calibrated screen (foci calibrate screen, PsychoPy), instead of sizes"),
+      FOCI_KEY(screen.size_px, "width and height, px", {16, 16384}),
+      FOCI_KEY(screen.size_m, "width and height of the visible area, m", {0.01, 20}),
+      FOCI_KEY(screen.distance_m, "eye to screen, m", {0.01, 100}),
+      FOCI_KEY(screen.gamma, "gamma of the display, light = code^gamma; absent: sRGB", {1, 4}),
+      FOCI_KEY(screen.luminance_cd_m2, "luminance of white, cd/m^2", {1, 10000}),
+      FOCI_KEY(screen.spectra,
+               "table of the primaries' spectra for observer.chromatic: wavelength (nm), red, "
+               "green, blue; absent: one wavelength each"),
+      FOCI_KEY(display.kind,
+               "a fixed screen, or a headset, whose screen replaces [screen] and moves with the "
+               "head; default for head poses without a [screen]",
+               {.words = studyWords<DisplayKind>()}),
+      FOCI_KEY(display.field_deg,
+               "what the left eye sees in a headset: left, right, up, down, deg; the right eye's "
+               "field is the mirror image; absent: as recorded, else 50 each",
+               {1, 80}),
+      FOCI_KEY(display.pixels_per_degree, "resolution of a headset straight ahead, px/deg",
+               {1, 100}),
+      FOCI_KEY(display.right_field_deg, "field of the right eye, if not the mirror image", {1, 80}),
+      FOCI_KEY(display.left_eye_m, "left eye in the head's frame, m; absent: by observer.ipd_mm",
+               {-0.5, 0.5}),
+      FOCI_KEY(display.right_eye_m, "right eye", {-0.5, 0.5}),
+      FOCI_KEY(display.left_eye_rotation,
+               "cant of the left display: quaternion x, y, z, w from it to the head", {-1, 1}),
+      FOCI_KEY(display.right_eye_rotation, "cant of the right one", {-1, 1}),
+      FOCI_KEY(observer.pupil, "fixed, from the recording, or from the luminance of the images",
+               {.words = studyWords<PupilModel>()}),
+      FOCI_KEY(observer.pupil_mm,
+               "diameter of the fixed pupil, mm; also until the recording states one", {0.5, 12}),
+      FOCI_KEY(observer.retina_mm, "lens to retina, mm", {10, 40}),
+      FOCI_KEY(observer.ipd_mm, "interpupillary distance, mm", {40, 80}),
+      FOCI_KEY(observer.sphere_D,
+               "sphere of the prescription of both eyes, D; below 0 short-sighted", {-20, 20}),
+      FOCI_KEY(observer.cylinder_D,
+               "cylinder of the prescription, D; the power across the axis is sphere + cylinder",
+               {-10, 10}),
+      FOCI_KEY(observer.axis_deg,
+               "axis of the cylinder, deg, counter-clockwise for somebody who faces the observer",
+               {0, 180}),
+      FOCI_KEY(observer.corrected, "true: with glasses of this prescription; false: without"),
+      FOCI_KEY(observer.chromatic,
+               "red, green and blue have their own focus; a frame takes three times as long"),
+      FOCI_KEY(observer.wavelengths, "wavelengths that sample screen.spectra, one rendering each",
+               {3, 31}),
+      FOCI_KEY(observer.wavefront,
+               "Zernike coefficients of both eyes, um, in the order of OSA and ANSI from index 0; "
+               "or an aberrometer's file (CSV)",
+               {-50, 50}),
+      FOCI_KEY(observer.wavefront_pupil_mm,
+               "diameter of the pupil that the coefficients hold for, mm", {1, 12}),
+      FOCI_KEY(observer.age_years,
+               "typical aberrations of this age, without observer.wavefront; focus.age_years "
+               "limits how near the eye focuses",
+               {18, 90}),
+      FOCI_KEY(observer.field,
+               "aberrations beside the line of sight: \"none\", \"typical\" (of ten eyes), or a "
+               "table of coefficients by angle"),
+      FOCI_KEY(observer.spherical_um_per_D,
+               "change of the spherical aberration (coefficient 12, pupil of 5 mm) per dioptre of "
+               "accommodation, um/D; young eyes: about -0.05",
+               {-0.5, 0.5}),
+      FOCI_KEY(observer.stiles_crawford, "light near the rim of the pupil counts less"),
+      FOCI_KEY(observer.stiles_crawford_center_mm,
+               "where light counts most: towards the nose, upwards, mm", {-3, 3}),
+      FOCI_KEY(observer.pupil_offset_mm,
+               "centre of the pupil from the achromatic axis: towards the nose, upwards, mm; "
+               "shifts the colours of observer.chromatic",
+               {-3, 3}),
+      FOCI_KEY(observer.diffraction,
+               "diffraction at 555 nm, where pixels are fine enough to show it"),
+      FOCI_KEY(gaze.source, "\"simulated\", a recording (TSV, CSV, ASC, XDF), or webcam:VIDEO"),
+      FOCI_KEY(gaze.map, "map of foci calibrate gaze, for a recording or a webcam"),
+      FOCI_KEY(gaze.camera, "camera of foci calibrate camera"),
+      FOCI_KEY(gaze.columns.time, "column of the time; its name, or #1 for the first"),
+      FOCI_KEY(gaze.columns.x, "column of the horizontal position"),
+      FOCI_KEY(gaze.columns.y, "column of the vertical position"),
+      FOCI_KEY(gaze.columns.rows,
+               "columns and values of the rows to read, such as { participant = \"A\" }"),
+      FOCI_KEY(gaze.columns.stream,
+               "stream of an XDF file, by name or number (\"#2\"); its channels are the columns"),
+      FOCI_KEY(gaze.trial_marker,
+               "begins the event markers (messages) that begin a trial; absent: TRIALID"),
+      FOCI_KEY(gaze.columns.pupil, "column of the pupil's diameter"),
+      FOCI_KEY(gaze.columns.blink, "column that marks blinks"),
+      FOCI_KEY(gaze.columns.confidence,
+               "column of the confidence, 0 to 1; below 0.6 there is no gaze"),
+      FOCI_KEY_AS("gaze.left_x", gaze.columns.eyes[0].x, "column of the horizontal position"),
+      FOCI_KEY_AS("gaze.left_y", gaze.columns.eyes[0].y, "column of the vertical position"),
+      FOCI_KEY_AS("gaze.left_pupil", gaze.columns.eyes[0].pupil, "column of the pupil's diameter"),
+      FOCI_KEY_AS("gaze.right_x", gaze.columns.eyes[1].x, "column of the horizontal position"),
+      FOCI_KEY_AS("gaze.right_y", gaze.columns.eyes[1].y, "column of the vertical position"),
+      FOCI_KEY_AS("gaze.right_pupil", gaze.columns.eyes[1].pupil, "column of the pupil's diameter"),
+      FOCI_SIGHT_KEYS("gaze.", gaze.columns.space.both),
+      FOCI_SIGHT_KEYS("gaze.left_", gaze.columns.space.eyes[0]),
+      FOCI_SIGHT_KEYS("gaze.right_", gaze.columns.space.eyes[1]),
+      FOCI_KEY(gaze.columns.space.head_position,
+               "columns x, y, z of the head's position; the head then moves the eye"),
+      FOCI_KEY(gaze.columns.space.head_quaternion, "columns x, y, z, w of the head's orientation"),
+      FOCI_KEY(gaze.columns.space.head_angles,
+               "columns of the head's turn to the right, upwards, and roll to the right, instead "
+               "of the quaternion"),
+      FOCI_KEY(gaze.columns.space.head_euler,
+               "columns of the head's turns about the recording's x, y and z axes (Unity's "
+               "eulerAngles), instead of the quaternion"),
+      FOCI_KEY(gaze.columns.space.head_euler_order,
+               "order of those turns about the head's own axes", {.expected = expectedEulerOrder}),
+      FOCI_KEY(gaze.columns.space.from_head,
+               "the head's direction is the gaze, in a recording without an eye tracker"),
+      FOCI_KEY(gaze.columns.space.frame,
+               "frame of the gaze columns, if the recording has the head's pose",
+               {.words = studyWords<std::optional<SightFrame>>()}),
+      FOCI_KEY(gaze.columns.space.axes,
+               "where x, y and z of the recording point: right-up-back (OpenXR), right-up-forward "
+               "(Unity), right-down-forward (OpenCV) or others",
+               {.expected = expectedAxes}),
+      FOCI_KEY(gaze.columns.space.angle_units, "unit of angles",
+               {.words = studyWords<AngleUnit>()}),
+      FOCI_KEY(gaze.columns.space.head_scale_m, "metres per unit of the head's position",
+               {1e-9, 1e6}),
+      FOCI_KEY(gaze.columns.space.origin_scale_m, "metres per unit of origins and points",
+               {1e-9, 1e6}),
+      FOCI_KEY_AS("gaze.scene_rotation", gaze.alignment.rotation,
+                  "quaternion x, y, z, w that turns the recording's world to the scene's axes",
+                  {-1, 1}),
+      FOCI_KEY_AS("gaze.scene_scale", gaze.alignment.scale,
+                  "scene's metres per metre of the recording", {1e-6, 1e6}),
+      FOCI_KEY_AS("gaze.scene_offset_m", gaze.alignment.offset_m,
+                  "where the recording's origin lies in the scene, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(gaze.columns.missing, "number that means data loss, in positions and pupils",
+               {-1e9, 1e9}),
+      FOCI_KEY(gaze.columns.scale, "position in gaze.units = scale * column + offset", {-1e6, 1e6}),
+      FOCI_KEY(gaze.columns.offset, "position in gaze.units = scale * column + offset",
+               {-1e6, 1e6}),
+      FOCI_KEY(gaze.columns.pupil_scale_mm, "millimetres per unit of the pupil columns",
+               {1e-9, 1e6}),
+      FOCI_KEY(gaze.columns.rate_Hz, "samples per second of a table without a time column",
+               {5, 20000}),
+      FOCI_KEY(gaze.columns.time_scale_s, "seconds per unit of time", {1e-12, 3600}),
+      FOCI_KEY(gaze.columns.units, "units of the position; auto: as the file says",
+               {.words = studyWords<std::optional<GazeUnits>>()}),
+      FOCI_KEY(gaze.events.detector, "what labels the eye movements",
+               {.words = studyWords<Detector>()}),
+      FOCI_KEY(gaze.events.pursuit,
+               "false: pursuit counts as fixation; absent: false for a headset without head poses, "
+               "else true"),
+      FOCI_KEY(gaze.events.saccade_deg_s,
+               "speed above which the detectors rules and ivt find a saccade, deg/s", {1, 1000}),
+      FOCI_KEY(gaze.events.window_s, "time over which the detector rules measures the speed, s",
+               {0.002, 0.5}),
+      FOCI_KEY(gaze.events.delay_s, "how far the online detector may look ahead, s", {0, 0.2}),
+      FOCI_KEY(gaze.events.max_gap_s, "longest data loss that is filled, s", {0, 1}),
+      FOCI_KEY(gaze.events.max_blink_s, "longest data loss that counts as a blink, s", {0, 10}),
+      FOCI_KEY(focus.cone_deg, "half-angle of the cone in which foci looks for the surface, deg",
+               {0.01, 20}),
+      FOCI_KEY(focus.coverage, "share of the cone that a surface must fill", {0.01, 1}),
+      FOCI_KEY_AS("focus.accommodation", focus.accommodation.on,
+                  "false: focus jumps to its target"),
+      FOCI_KEY(focus.accommodation.latency_s, "time before focus begins to move, s", {0, 5}),
+      FOCI_KEY(focus.accommodation.time_constant_s, "time constant of the exponential approach, s",
+               {0.001, 10}),
+      FOCI_KEY(focus.accommodation.far_time_constant_s,
+               "the same towards a farther target, s; absent: equal", {0.001, 10}),
+      FOCI_KEY(focus.accommodation.age_years, "limits how near the eye focuses; absent: no limit",
+               {1, 120}),
+      FOCI_KEY(focus.accommodation.lag, "focus lags behind near targets"),
+      FOCI_KEY(focus.vergence,
+               "focus also depends on the distance at which both lines of sight meet"),
+      FOCI_KEY(focus.accommodation.resting_D, "focus before there is a target, D", {0, 10}),
+      FOCI_KEY(focus.fixed_D, "fixed focus, D; absent: focus follows the gaze", {0, 20}),
+      FOCI_KEY(render.method, "method that renders depth of field: `foci methods`",
+               {.expected = expectedMethod}),
+      FOCI_KEY(render.shading,
+               "share of the colour that falls off with the angle between surface and sight",
+               {0, 1}),
+      FOCI_KEY(render.device, "what renders; auto: a GPU with OpenGL 4.5, else the CPU",
+               {.words = studyWords<RenderDevice>()}),
+      FOCI_KEY(quality.tolerance,
+               "error that method auto allows in 95 % of the pixels, just-noticeable differences",
+               {0.1, 100}),
+      FOCI_KEY(quality.frame_ms,
+               "frame-time budget of method auto, ms, instead of the tolerance; images then depend "
+               "on the machine's speed; absent: none",
+               {1, 1000}),
+      FOCI_KEY(quality.foveated,
+               "renders no finer than the eye resolves away from gaze, and reuses frames in "
+               "saccades and blinks (auto)"),
+      FOCI_KEY(output.size_px, "width and height of the images, px; absent: those of the screen",
+               {16, 8192}),
+      FOCI_KEY(output.fps, "frames per second", {1, 1000}),
+      FOCI_KEY(output.seconds, "start and end, after the recording's first sample, s", {0, 1e6}),
+      FOCI_KEY(output.marker, "shows where the observer looks"),
+      FOCI_KEY(output.split, "left half sharp, right half as the eye sees it"),
+      FOCI_KEY(output.sync_patch,
+               "side of a patch in the lower right corner of foci live, px, whose brightness "
+               "follows the frame number, for a photodiode; 0: none",
+               {0, 1000}),
+      FOCI_KEY(output.images, "also saves every frame as a PNG"),
+      FOCI_KEY(output.maps,
+               "also saves EXR maps of every replayed frame: linear RGB, depth in metres, defocus "
+               "in D (above 0: nearer than the focus); for a single view only",
+               {.words = studyWords<FrameMap>()}),
+      FOCI_KEY(output.view,
+               "one eye in the middle; both eyes: left beside right, left above right, or left in "
+               "red; or one eye alone",
+               {.words = studyWords<StereoView>()}),
+      FOCI_KEY(record.frames, "frames.tsv of a live run, instead of output.fps"),
+      FOCI_KEY(record.changes, "changes.tsv of a live run"),
+      FOCI_KEY(record.markers, "event_markers.tsv of a live run, which the report shows"),
+      FOCI_KEY(record.head, "head.tsv of a headset"),
+      FOCI_KEY(record.rate_Hz,
+               "samples per second, as the source states it; absent: the median of the recording",
+               {5, 20000}),
+      FOCI_KEY(record.device, "what rendered the frames of a live run"),
+      FOCI_KEY(remote.folder,
+               "folder whose files the remote control of foci live may name (set "
+               "observer.wavefront \"NAME\"); absent: none"),
+      FOCI_KEY_AS(
+          "trial", trials,
+          "trials { name, start_s, end_s, type } on the recording's clock; absent: those of "
+          "the recording"),
+      FOCI_KEY(seed, "seed of the simulated observer", {0, 9007199254740992.0}),
+  };
+  return keys;
+}
+
+#undef FOCI_SIGHT_KEYS
+#undef FOCI_KEY
+#undef FOCI_KEY_AS
+
+}  // namespace
 
 std::string shownName(std::string_view name) {
   const std::string quoted = quotedText(name.substr(0, 60));
@@ -528,15 +450,14 @@ KeyNames setKeys(Study& study, const TomlDocument& document, const std::string& 
 }
 
 void setKey(Study& study, std::string_view key, const toml::value& value) {
-  const auto& keys = studyKeys();
-  const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
-  assert(found != keys.end());
+  const auto found = std::ranges::find(studyKeys(), key, &Key<Study>::name);
+  assert(found != studyKeys().end());
   found->read(value, found->allowed, study);
 }
 
 void setKey(Study& study, std::string_view key, const std::string& text, const std::string& where) {
   const auto& keys = studyKeys();
-  const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
+  const auto found = std::ranges::find(keys, key, &Key<Study>::name);
   if (found == keys.end()) throw unknownKey(where, std::string(key), {}, namesOf(keys));
   if (text == "null") {
     found->reset(study);

@@ -62,10 +62,6 @@ std::pair<std::string, std::string> splitName(std::string_view name) {
   return {std::string(name.substr(0, dot)), std::string(name.substr(dot + 1))};
 }
 
-}  // namespace
-
-namespace {
-
 /// A file as a study in `folder` names it.
 std::filesystem::path namedIn(const std::filesystem::path& folder,
                               const std::filesystem::path& file) {
@@ -78,6 +74,23 @@ std::filesystem::path namedIn(const std::filesystem::path& folder,
 }
 
 bool isPlace(std::string_view key) { return key == "scene.scale_m" || key.starts_with("eye."); }
+
+/// The keys that have a value and are `wanted`, under their sections.
+/// @param after  what a line has after the value
+template <class Wanted, class After>
+std::string sectionsOfKeys(const Study& study, const Wanted& wanted, const After& after) {
+  std::string above, text, section;
+  for (const ResolvedKey& key : resolvedKeys(study)) {
+    const Json value = valueOf(study, key);
+    if (value.is_null() || value == Json::array() || value == "" || !wanted(key)) continue;
+    if (study.scene.file && key.name == "scene.builtin") continue;
+    const auto [in, name] = splitName(key.name);
+    const std::string line = name + " = " + tomlInFile(value) + after(key) + "\n";
+    if (!in.empty() && std::exchange(section, in) != in) text += "\n[" + in + "]\n";
+    (in.empty() ? above : text) += line;
+  }
+  return above + text;
+}
 
 }  // namespace
 
@@ -99,28 +112,17 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
 
   std::map<std::string_view, std::string> defaults;
   for (const ResolvedKey& key : resolvedKeys(Study{})) defaults[key.name] = key.json;
-  std::string above, text, section, line;
+  std::string above, line;
   std::istringstream lines(comment);
   while (std::getline(lines, line)) above += "# " + line + "\n";
-  for (const ResolvedKey& key : resolvedKeys(moved)) {
-    const bool wanted = isPlace(key.name) || key.json != defaults.at(key.name);
-    const Json value = valueOf(study, key);
-    if (!wanted || value.is_null() || value == Json::array()) continue;
-    if (moved.scene.file && key.name == "scene.builtin") continue;
-    if (!moved.eye.path.empty() && (key.name == "eye.position_m" || key.name == "eye.look_at_m")) {
-      continue;
-    }
-    const auto [in, name] = splitName(key.name);
-    const std::string entry = name + " = " + tomlInFile(value) + "  # " + std::string(key.meaning);
-    if (in.empty()) {
-      above += entry + "\n";
-      continue;
-    }
-    if (section != in) text += "\n[" + in + "]\n";
-    section = in;
-    text += entry + "\n";
-  }
-  return above + text;
+  const bool moves = !moved.eye.path.empty();
+  const auto wanted = [&](const ResolvedKey& key) {
+    if (moves && (key.name == "eye.position_m" || key.name == "eye.look_at_m")) return false;
+    return isPlace(key.name) || key.json != defaults.at(key.name);
+  };
+  return above + sectionsOfKeys(moved, wanted, [](const ResolvedKey& key) {
+           return "  # " + std::string(key.meaning);
+         });
 }
 
 std::string studyToml(const Study& study) {
@@ -131,31 +133,16 @@ std::string studyToml(const Study& study) {
   }
   for (ScenePart& part : moved.scene.parts) part.file = std::filesystem::absolute(part.file);
   moved.screen.monitor.reset();
-  std::string above, text, section;
-  for (const ResolvedKey& key : resolvedKeys(moved)) {
-    const Json value = valueOf(study, key);
-    if (value.is_null() || value == Json::array() || value == "") continue;
-    if (moved.scene.file && key.name == "scene.builtin") continue;
-    const auto [in, name] = splitName(key.name);
-    const std::string line = name + " = " + tomlInFile(value) + "\n";
-    if (in.empty()) {
-      above += line;
-      continue;
-    }
-    if (section != in) text += "\n[" + in + "]\n";
-    section = in;
-    text += line;
-  }
-  return above + text;
+  return sectionsOfKeys(
+      moved, [](const ResolvedKey&) { return true; }, [](const ResolvedKey&) { return ""; });
 }
 
 std::string studyKeysMarkdown() {
   std::string text =
       "# The study file\n\n"
       "A study is a TOML file. Every key may be left out. foci refuses an unknown key and names "
-      "the "
-      "nearest known one. Paths\nare relative to the study. This page is the output of `foci keys "
-      "--markdown`.\n";
+      "the nearest known one. Paths\nare relative to the study. This page is the output of `foci "
+      "keys --markdown`.\n";
   std::vector<std::pair<std::string, std::string>> rows;  // keys that mean the same share a row
   const auto finish = [&] {
     for (const auto& [names, rest] : rows) text.append("| ").append(names).append(rest);

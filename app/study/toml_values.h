@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <concepts>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -79,9 +79,8 @@ inline void read(const toml::value& from, const Allowed& allowed, std::string& t
   for (const auto word : allowed.words) what += " \"" + std::string(word) + "\"";
   if (!from.is_string()) throw Expected{what};
   const auto& text = toml::get<std::string>(from);
-  const bool known =
-      std::find(allowed.words.begin(), allowed.words.end(), text) != allowed.words.end();
-  if (text.empty() || text.find('\0') != std::string::npos || !(allowed.words.empty() || known)) {
+  const bool known = allowed.words.empty() || std::ranges::count(allowed.words, text) > 0;
+  if (text.empty() || text.find('\0') != std::string::npos || !known) {
     throw Expected{text.empty() ? what + " that is not empty" : what};
   }
   if (allowed.expected) {
@@ -90,13 +89,19 @@ inline void read(const toml::value& from, const Allowed& allowed, std::string& t
   to = text;
 }
 
+/// Reads what is a part of `what`. @throws Expected{what}
+template <class T>
+void readPart(const std::string& what, const toml::value& from, const Allowed& allowed, T& to) {
+  try {
+    read(from, allowed, to);
+  } catch (const Expected&) {
+    throw Expected{what};
+  }
+}
+
 inline void read(const toml::value& from, const Allowed&, std::filesystem::path& to) {
   std::string text;
-  try {
-    read(from, {}, text);
-  } catch (const Expected&) {
-    throw Expected{"a file's name"};
-  }
+  readPart("a file's name", from, {}, text);
   to = text;
 }
 
@@ -116,13 +121,7 @@ template <std::size_t N>
 void read(const toml::value& from, const Allowed&, std::array<std::string, N>& to) {
   const std::string what = std::to_string(N) + " names of columns";
   if (!from.is_array() || from.as_array().size() != N) throw Expected{what};
-  for (std::size_t i = 0; i < N; ++i) {
-    try {
-      read(from.as_array()[i], {}, to[i]);
-    } catch (const Expected&) {
-      throw Expected{what};
-    }
-  }
+  for (std::size_t i = 0; i < N; ++i) readPart(what, from.as_array()[i], {}, to[i]);
 }
 
 /// Names of columns with the values of the rows to read: { participant = "A" }.
@@ -162,11 +161,7 @@ void read(const toml::value& from, const Allowed& allowed, std::vector<Enum>& to
   to.clear();
   for (const toml::value& element : from.as_array()) {
     Enum value{};
-    try {
-      read(element, allowed, value);
-    } catch (const Expected&) {
-      throw Expected{what};
-    }
+    readPart(what, element, allowed, value);
     if (std::find(to.begin(), to.end(), value) != to.end()) throw Expected{what + ", each once"};
     to.push_back(value);
   }
@@ -185,18 +180,20 @@ std::string write(std::signed_integral auto value) { return std::to_string(value
 inline std::string write(bool value) { return value ? "true" : "false"; }
 inline std::string write(const std::string& value) { return quotedText(value); }
 inline std::string write(const std::filesystem::path& value) { return quotedText(value.string()); }
+/// A list of JSON.
+template <class Values>
+std::string listOf(const Values& values) {
+  std::string text = "[";
+  for (const auto& value : values) text += (text.size() > 1 ? ", " : "") + write(value);
+  return text + "]";
+}
 template <int N, class Number>
 std::string write(const glm::vec<N, Number>& value) {
-  std::string text = "[";
-  for (int i = 0; i < N; ++i) text += (i ? ", " : "") + write(value[i]);
-  return text + "]";
+  return listOf(std::span(&value.x, N));
 }
 template <std::size_t N>
 std::string write(const std::array<std::string, N>& names) {
-  if (names[0].empty()) return "null";
-  std::string text = "[";
-  for (std::size_t i = 0; i < N; ++i) text += (i ? ", " : "") + quotedText(names[i]);
-  return text + "]";
+  return names[0].empty() ? "null" : listOf(names);
 }
 inline std::string write(const std::vector<std::pair<std::string, std::string>>& rows) {
   if (rows.empty()) return "null";
@@ -212,45 +209,32 @@ std::string write(const Enum& value) {
 }
 template <HasStudyWords Enum>
 std::string write(const std::vector<Enum>& values) {
-  std::string text = "[";
-  for (const Enum& value : values) text += (text.size() > 1 ? ", " : "") + write(value);
-  return text + "]";
+  return listOf(values);
 }
 template <class T>
 requires(!HasStudyWords<std::optional<T>>) std::string write(const std::optional<T>& value) {
   return value ? write(*value) : "null";
 }
 
+/// A value on one line, of a list at least the first 60 characters.
+inline std::string lineOf(const toml::value& value) {
+  if (value.is_integer()) return std::to_string(value.as_integer());
+  if (value.is_floating()) return exactText(value.as_floating());
+  if (value.is_boolean()) return write(value.as_boolean());
+  if (value.is_string()) return quotedText(toml::get<std::string>(value));
+  if (value.is_table()) return "{...}";
+  if (!value.is_array()) return "a date or time";
+  std::string text;
+  for (const auto& element : value.as_array()) {
+    text += (text.empty() ? "" : ", ") + lineOf(element);
+    if (text.size() > 60) break;
+  }
+  return "[" + text + "]";
+}
+
 /// A value on one short line, for messages.
 inline std::string shownValue(const toml::value& value) {
-  std::string text;
-  switch (value.type()) {
-    case toml::value_t::integer:
-      text = std::to_string(value.as_integer());
-      break;
-    case toml::value_t::floating:
-      text = exactText(value.as_floating());
-      break;
-    case toml::value_t::boolean:
-      text = value.as_boolean() ? "true" : "false";
-      break;
-    case toml::value_t::string:
-      text = quotedText(toml::get<std::string>(value));
-      break;
-    case toml::value_t::table:
-      text = "{...}";
-      break;
-    case toml::value_t::array:
-      for (const auto& element : value.as_array()) {
-        text += (text.empty() ? "" : ", ") + shownValue(element);
-        if (text.size() > 60) break;
-      }
-      text = "[" + text + "]";
-      break;
-    default:
-      text = "a date or time";
-      break;
-  }
+  const std::string text = lineOf(value);
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 

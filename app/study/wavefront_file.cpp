@@ -72,7 +72,7 @@ std::optional<std::string> otherOrderIn(const std::string& line, char separator)
   std::string other = found[2];
   if (std::regex_search(line, ours)) return std::nullopt;
   const std::vector<std::string> cells = cellsOf(trimmed(line), separator);
-  const bool alone = std::find(cells.begin(), cells.end(), other) != cells.end();
+  const bool alone = std::ranges::find(cells, other) != cells.end();
   return alone || std::regex_search(line, about) ? std::optional(std::move(other)) : std::nullopt;
 }
 
@@ -87,14 +87,13 @@ class WavefrontTable {
     takePupil();
     if (rows_.empty()) fail(0, "no coefficients: expected a table of Zernike coefficients");
     static const std::regex signed_name("[ZzCc]\\d+[+-]\\d+");
-    signed_names_ = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) {
-      return std::any_of(row.cells.begin(), row.cells.end(), [](const std::string& cell) {
-        return std::regex_match(cell, signed_name);
-      });
+    signed_names_ = std::ranges::any_of(rows_, [](const Row& row) {
+      return std::ranges::any_of(
+          row.cells, [](const std::string& cell) { return std::regex_match(cell, signed_name); });
     });
     const Row& head = rows_.front();
-    const auto terms = std::count_if(head.cells.begin(), head.cells.end(),
-                                     [&](const auto& cell) { return isNamed(cell); });
+    const auto terms =
+        std::ranges::count_if(head.cells, [&](const auto& cell) { return isNamed(cell); });
     if (terms >= 2) {
       readWide();
     } else {
@@ -121,7 +120,7 @@ class WavefrontTable {
       lines.push_back(line);
     }
     const auto holds = [&](char c) {
-      return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+      return std::ranges::any_of(lines, [&](const std::string& line) {
         return !line.starts_with('#') && line.find(c) != line.npos;
       });
     };
@@ -155,7 +154,7 @@ class WavefrontTable {
 
   double number(const Row& row, const std::string& cell, const std::string& what) const {
     std::string text = cell;
-    if (decimal_comma_) std::replace(text.begin(), text.end(), ',', '.');
+    if (decimal_comma_) std::ranges::replace(text, ',', '.');
     const auto value = parseNumber(text);
     if (!value) fail(row.line, what + " = " + shown(cell) + ": expected a number");
     return *value;
@@ -334,7 +333,7 @@ class WavefrontTable {
       const std::string text = lowered(withoutUnit(head.cells[c]));
       const int at = static_cast<int>(c);
       const auto is = [&](std::initializer_list<const char*> words) {
-        return std::any_of(words.begin(), words.end(), [&](const char* w) { return text == w; });
+        return std::ranges::any_of(words, [&](const char* w) { return text == w; });
       };
       if (is({"n"})) columns.n = at;
       if (is({"m"})) columns.m = at;

@@ -22,7 +22,6 @@
 #include <cfloat>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>

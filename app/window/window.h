@@ -28,8 +28,7 @@ class Window {
   /// @throws std::runtime_error without a display or OpenGL 3.3
   Window(const std::string& title, std::optional<glm::ivec2> size_px, int monitor = 0);
   ~Window();
-  Window(const Window&) = delete;
-  Window& operator=(const Window&) = delete;
+  Window& operator=(Window&&) = delete;  // nor copied
 
   /// Another context with OpenGL 4.5, which shares its objects with the window. Null where the
   /// driver has none. The window outlives its use.
@@ -109,8 +108,7 @@ class Texture {
  public:
   Texture() = default;
   ~Texture();
-  Texture(const Texture&) = delete;
-  Texture& operator=(const Texture&) = delete;
+  Texture& operator=(Texture&&) = delete;  // nor copied
 
   /// @param rgb  8 bits a channel, rows from the top, no padding
   void set(const glm::ivec2& size_px, const unsigned char* rgb);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <functional>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>

@@ -1,7 +1,6 @@
 #include "app/evaluation/chart/export.h"
 
 #include <initializer_list>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "app/evaluation/chart/camera_files.h"

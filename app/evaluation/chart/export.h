@@ -1,7 +1,6 @@
 // Cases: the scenes, cameras, lenses and references of a chart as files that other renderers read.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string>

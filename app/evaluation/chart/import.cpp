@@ -12,7 +12,6 @@
 #include "app/evaluation/chart/export.h"
 #include "app/evaluation/chart/scores.h"
 #include "app/evaluation/evaluation_page.h"
-#include "app/graphics/image.h"
 #include "app/platform/json_text.h"
 #include "base/file.h"
 #include "base/input_error.h"

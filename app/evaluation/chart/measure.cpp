@@ -3,8 +3,6 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>

@@ -33,8 +33,7 @@ constexpr Advice kAdvice[] = {
      "more sub-apertures, in proportion more time"},
     {"You need a reference", "accumulate:N",
      "choose N of at least pi C&sup2; for a blur radius of C px; the method states its own "
-     "accuracy. "
-     "<code>raytrace:N</code> checks it independently"},
+     "accuracy. <code>raytrace:N</code> checks it independently"},
     {"You have only a finished image with its depth", "matthews",
      "the one post-filter without light leaks; <code>potmesil</code> for small blur"},
     {"You compare with published work", "paper, paper-lod",
@@ -109,10 +108,9 @@ void writePanel(std::ostream& out, const ChartPlan& plan, const ChartScene& scen
   out << "<div class=\"panel\" data-blur=\"" << decimal(points.front().blur_px, 0)
       << "\" data-threads=\"" << points.front().threads << "\" data-measure=\""
       << (is_psnr ? "psnr" : "silhouette") << "\"" << (shown ? "" : " hidden") << ">\n";
-  const bool has_points =
-      is_psnr || std::any_of(points.begin(), points.end(), [](const ChartPoint& one) {
-        return one.silhouette_psnr_dB.has_value();
-      });
+  const bool has_points = is_psnr || std::ranges::any_of(points, [](const ChartPoint& one) {
+                            return one.silhouette_psnr_dB.has_value();
+                          });
   if (has_points) {
     out << svgOf(layOut(panelOf(points, measure, scene.title)));
   } else {
@@ -153,9 +151,8 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
   out << "<details><summary>All figures</summary>\n<div class=\"scroll\"><table class=\"figures\">"
          "<tr><th>scene</th><th>blur radius up to, px</th><th>method</th><th>threads</th>"
          "<th>ms, median (min)</th><th>PSNR, dB</th><th>SSIM</th><th>PSNR at silhouettes, dB</th>"
-         "<th>coverage error</th><th>visible error, JND</th><th>FLIP</th><th>PSNR of the "
-         "reference, dB</th>"
-         "<th>on the frontier</th></tr>\n";
+         "<th>coverage error</th><th>visible error, JND</th><th>FLIP</th>"
+         "<th>PSNR of the reference, dB</th><th>on the frontier</th></tr>\n";
   for (const ChartPoint& one : points) {
     const std::string image = imageFile(one);
     out << "<tr>" << cell(escaped(one.scene)) << cell(decimal(one.blur_px, 0))
@@ -197,20 +194,17 @@ void writeMethodology(std::ostream& out, const ChartPlan& plan) {
          "<code>ball</code> is a mesh: its methods are compared with <code>raytrace:N</code>, rays "
          "to the mesh's triangles. This shows errors of the surfels too, which the prediction of "
          "<code>auto</code> does not include. Its background is light, so that leaks in dark parts "
-         "show. Figures are in linear light with peak 1: PSNR over the "
-         "image, PSNR over the pixels "
+         "show. Figures are in linear light with peak 1: PSNR over the image, PSNR over the pixels "
          "that a step in depth blurs into (silhouettes), SSIM, and the mean difference of "
-         "coverage. "
-         "95 % of the pixels stay below the visible error, in just-noticeable differences (JND). "
-         "FLIP is that of Andersson and others (2020), the mean over the image, 0 to 1. Both hold "
-         "at "
+         "coverage. 95 % of the pixels stay below the visible error, in just-noticeable "
+         "differences (JND). FLIP is that of Andersson and others (2020), the mean over the image, "
+         "0 to 1. Both hold at "
       << decimal(kUsualPx_per_deg, 0)
       << " pixels per degree. Points of other renderers have the times and machines that their "
-         "<code>times.json</code> states. "
-         "The dashed line compares one half of the reference's views with the other half.</li>\n"
+         "<code>times.json</code> states. The dashed line compares one half of the reference's "
+         "views with the other half.</li>\n"
          "<li><code>chart.csv</code> holds all figures and <code>images/</code> all images. A "
-         "later "
-         "run continues from <code>cells/</code>, which you may remove.</li>\n</ul>\n";
+         "later run continues from <code>cells/</code>, which you may remove.</li>\n</ul>\n";
 }
 
 }  // namespace

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <string_view>
 
-#include "app/evaluation/chart/points.h"
 #include "app/evaluation/evaluation_page.h"
 #include "base/text.h"
 

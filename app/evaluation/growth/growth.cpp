@@ -2,7 +2,6 @@
 
 #include <tbb/global_control.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>

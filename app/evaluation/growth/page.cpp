@@ -140,11 +140,9 @@ std::string growthPage(bool quick, const std::vector<GrowthCurve>& curves,
   if (!notice.empty()) html += noticesOf({notice});
   html +=
       "<h2>Which machine a study needs</h2>\n<p>With <code>auto</code>, frames of 1280 x 720 px "
-      "and "
-      "a blur of at most 16 px. A batch is a thousand recordings of ten minutes, 30 frames a "
+      "and a blur of at most 16 px. A batch is a thousand recordings of ten minutes, 30 frames a "
       "second, in the workflow for clusters. Every frame is rendered; frames that foci reuses "
-      "while "
-      "the eye rests take no time. Beyond the largest scene measured, figures are "
+      "while the eye rests take no time. Beyond the largest scene measured, figures are "
       "extrapolated.</p>\n" +
       needsTable(curves) +
       "<h2>Time and memory</h2>\n<p>A cost grows with the size to the power of the exponent, which "
@@ -155,14 +153,12 @@ std::string growthPage(bool quick, const std::vector<GrowthCurve>& curves,
   }
   return html +
          "</div>\n<p>The scene is the built-in gallery, sampled more and more densely, and for "
-         "blur "
-         "the paper's plane. Gaussians lie on the same surfels. Unless they grow, there are " +
+         "blur the paper's plane. Gaussians lie on the same surfels. Unless they grow, there are " +
          thousands(first.pixels) +
          " pixels, and blur is at most 16 px. <code>prepare</code> makes the level of detail. CPU "
          "time is that of all threads together: other programs disturb it least. Times are medians "
          "of frames after the first; a slow frame is timed once. Memory is the peak of the "
-         "process. "
-         "<code>growth.csv</code> holds all figures.</p>\n" +
+         "process. <code>growth.csv</code> holds all figures.</p>\n" +
          kPageEnd;
 }
 

@@ -149,13 +149,10 @@ void measureTimes(const ReproduceScene& scene, const ReproduceEffort& effort,
 /// Sorts rows by aperture, then method, then threads: the order of the page's table.
 void sortRows(std::vector<ReproduceRow>& rows) {
   const auto placeOf = [&](const ReproduceRow& row) {
-    return std::tuple(row.aperture,
-                      std::find(kReproduceMethods.begin(), kReproduceMethods.end(), row.method),
-                      row.threads);
+    return std::tuple(row.aperture, std::ranges::find(kReproduceMethods, row.method), row.threads);
   };
-  std::stable_sort(rows.begin(), rows.end(), [&](const ReproduceRow& a, const ReproduceRow& b) {
-    return placeOf(a) < placeOf(b);
-  });
+  std::ranges::stable_sort(
+      rows, [&](const ReproduceRow& a, const ReproduceRow& b) { return placeOf(a) < placeOf(b); });
 }
 
 }  // namespace

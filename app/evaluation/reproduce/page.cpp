@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -15,7 +14,6 @@
 #include "render/image/metrics.h"
 #include "render/methods/method.h"
 #include "render/optics/view.h"
-#include "render/scene/builtin/procedural.h"
 
 namespace foci {
 namespace {
@@ -115,7 +113,7 @@ std::string ratioText(const ReproduceFacts& facts) {
 void writeFigurePanels(std::ostream& out, const std::vector<PaperFigure>& row) {
   for (const PaperFigure& panel : row) {
     out << "<figure><img alt=\"" << escaped(panel.caption) << "\" src=\""
-        << jpegUri(jpegOf(panel.image)) << "\"><figcaption>" << escaped(panel.caption)
+        << imageUri(jpegOf(panel.image)) << "\"><figcaption>" << escaped(panel.caption)
         << "</figcaption></figure>\n";
   }
 }
@@ -149,8 +147,7 @@ std::string growthText(const Growth& growth) {
 void writeMethodology(std::ostream& out, const ReproduceFacts& facts) {
   out << "<h2>How the figures were measured</h2>\n"
          "<p>Each method first rendered each row once without being timed. Then the rows of a "
-         "scene "
-         "took turns, "
+         "scene took turns, "
       << facts.effort.runs << " times (accumulate:200: " << facts.effort.accumulate_runs
       << " times). The paper measured on a Pentium 4 at 1.4 GHz, so only ratios of times compare. "
          "<i>paper</i> and <i>paper-lod</i> are the paper's method, written and compiled like "

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/evaluation/reproduce/ratios.h"
-#include "app/evaluation/reproduce/scenes.h"
 #include "app/platform/output_guard.h"
 
 namespace foci {

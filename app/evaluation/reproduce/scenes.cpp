@@ -64,9 +64,8 @@ void chooseApertures(ReproduceScene& scene, const std::function<void()>& on_fram
     return static_cast<double>(stats.fragments);
   };
   const auto counted = [&](std::size_t aperture) {
-    const auto row = std::find_if(scene.paper.begin(), scene.paper.end(), [&](const PaperRow& one) {
-      return one.aperture == aperture && !one.lod;
-    });
+    const auto row = std::ranges::find_if(
+        scene.paper, [&](const PaperRow& one) { return one.aperture == aperture && !one.lod; });
     return row->kfragments;
   };
 

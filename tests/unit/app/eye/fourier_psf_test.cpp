@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <opencv2/core.hpp>
 
 #include "base/text.h"
 #include "render/methods/lens_samples.h"
@@ -23,6 +24,42 @@ EyeOptics eye(double pupil_m, double defocus_D = 0.0, std::vector<double> zernik
   optics.pupil.wavefront =
       rescaled({.zernike_um = std::move(zernike_um), .pupil_m = 6e-3}, pupil_m);
   return optics;
+}
+
+/// `fourierPsf` as seen through the pixels of foci: spread by the bell (1 - r^2 / (8 sigma^2))^2,
+/// of the standard deviation `sigma_px` along each axis (docs/formulas.md, section 3), and taken at
+/// the middles of pixels of `pixel_rad`.
+Psf psfThroughPixels(const EyeOptics& optics, double pixel_rad, double sigma_px, int size) {
+  constexpr double kDenser = 2.5;    // than light of a coherent pupil needs, lambda / A
+  constexpr double kPerPixel = 5.0;  // samples of the bell's standard deviation
+  const double radius_px = std::sqrt(8.0) * sigma_px;
+  int finer = static_cast<int>(
+      std::ceil(pixel_rad * kDenser * optics.pupil.diameter_m / optics.wavelength_m));
+  finer = std::max(finer, static_cast<int>(std::ceil(kPerPixel / sigma_px)));
+  finer += 1 - finer % 2;
+  const int reach = static_cast<int>(std::ceil(radius_px * finer));
+  const int margin = 2 * ((reach + finer - 1) / finer);
+  const Psf fine = fourierPsf(optics, pixel_rad / finer, (size + margin) * finer);
+  cv::Mat bell = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_64F);
+  for (int y = -reach; y <= reach; ++y) {
+    for (int x = -reach; x <= reach; ++x) {
+      const double t = 1.0 - (x * x + y * y) / std::pow(radius_px * finer, 2);
+      if (t > 0.0) bell.at<double>(y + reach, x + reach) = t * t;
+    }
+  }
+  bell *= static_cast<double>(finer) * finer /
+          cv::sum(bell)[0];  // density of light, times the pixel's area
+  const cv::Mat light(fine.size, fine.size, CV_64F, const_cast<double*>(fine.light.data()));
+  Psf seen{.size = size, .sample_rad = pixel_rad};
+  seen.light.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const int x = fine.size / 2 + (column - size / 2) * finer - reach;
+      const int y = fine.size / 2 + (row - size / 2) * finer - reach;
+      seen.light.push_back(light(cv::Rect(x, y, bell.cols, bell.rows)).dot(bell));
+    }
+  }
+  return seen;
 }
 
 struct Moments {

@@ -54,9 +54,9 @@ TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   EXPECT_EQ(cloud.size(), summary.surfels);
   EXPECT_NEAR(summary.area_m2, 4.0, 0.4);  // surfels at the border reach beyond it
   ASSERT_EQ(summary.normalisation.size(), 3u);
-  EXPECT_GT(summary.normalisation[0].smooth_within_10, 0.95);
+  EXPECT_GT(summary.normalisation[0].smooth.within_10, 0.95);
   std::size_t counted = 0;
-  for (const std::size_t bin : summary.normalisation[0].histogram) counted += bin;
+  for (const std::size_t bin : summary.normalisation[0].whole.histogram) counted += bin;
   EXPECT_EQ(counted, 20000u);  // one sum for each probe
 
   std::ifstream report(folder_ / "s.html");

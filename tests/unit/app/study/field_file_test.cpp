@@ -65,14 +65,14 @@ TEST(FieldFile, RefusesWhatItCannotUse) {
             "field.tsv:1: no column horizontal_deg: expected horizontal_deg, vertical_deg and "
             "z3_um to z8_um");
   EXPECT_EQ(refusal(kHeading + row + "x\n"),
-            "field.tsv:2: z8_um \"x\": expected a number from -50 to 50");
+            "field.tsv:2: z8_um = \"x\": expected a number from -50 to 50");
   EXPECT_EQ(refusal(kHeading + row + "99\n"),
-            "field.tsv:2: z8_um \"99\": expected a number from -50 to 50");
+            "field.tsv:2: z8_um = \"99\": expected a number from -50 to 50");
   EXPECT_EQ(refusal(kHeading + row + "nan\n"),
-            "field.tsv:2: z8_um \"nan\": expected a number from -50 to 50");
+            "field.tsv:2: z8_um = \"nan\": expected a number from -50 to 50");
   EXPECT_NE(refusal(kHeading + row + "0\n").find("1 directions do not tell the field"),
             std::string::npos);
-  EXPECT_NE(refusal("").find("0 directions do not tell the field"), std::string::npos);
+  EXPECT_NE(refusal(kHeading).find("0 directions do not tell the field"), std::string::npos);
 }
 
 /// The measurements that `typicalField` is fitted to.
