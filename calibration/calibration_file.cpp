@@ -54,9 +54,10 @@ const CalibrationFile::Value& CalibrationFile::at(const std::string& key) {
   return found->second;
 }
 
-double CalibrationFile::number(const std::string& key, double low, double high) {
+double CalibrationFile::number(const std::string& key, double low, double high,
+                               const std::string& instead) {
   const auto* value = std::get_if<double>(&at(key));
-  const std::string range = "a number from " + exactText(low) + " to " + exactText(high);
+  const std::string range = instead + "a number from " + exactText(low) + " to " + exactText(high);
   if (!value || !(*value >= low && *value <= high)) refuse(key, range);
   return *value;
 }
@@ -64,7 +65,8 @@ double CalibrationFile::number(const std::string& key, double low, double high) 
 std::optional<double> CalibrationFile::numberOrWord(const std::string& key, const char* word,
                                                     double low, double high) {
   const auto* const text = std::get_if<std::string>(&at(key));
-  return text && *text == word ? std::nullopt : std::optional(number(key, low, high));
+  if (text && *text == word) return std::nullopt;
+  return number(key, low, high, "\"" + std::string(word) + "\" or ");
 }
 
 std::vector<double> CalibrationFile::numbers(const std::string& key, std::size_t count, double low,

@@ -25,7 +25,8 @@ class CalibrationFile {
   explicit CalibrationFile(const std::filesystem::path& path);
 
   bool has(const std::string& key) const { return values_.contains(key); }
-  double number(const std::string& key, double low, double high);
+  /// @param instead  what else is allowed, for the message
+  double number(const std::string& key, double low, double high, const std::string& instead = "");
   /// The number; absent for the word in its place.
   std::optional<double> numberOrWord(const std::string& key, const char* word, double low,
                                      double high);

@@ -255,6 +255,7 @@ Part readPart(const std::filesystem::path& folder) {
   bool altered = false;
   try {
     Json json = Json::parse(text);
+    part.version = json.at("version").get<std::string>();
     const std::string sha256 = json.at("sha256").get<std::string>();
     json.erase("sha256");
     altered = sha256Of(jsonText(json)) != sha256;
@@ -268,7 +269,10 @@ Part readPart(const std::filesystem::path& folder) {
     const Json configuration = Json::parse(part.configuration);
     for (const char* key : kFileKeys) static_cast<void>(configuration.at(key));
   } catch (const std::exception&) {
-    throw InputError(file.string(), "expected what foci replay --frames wrote");
+    throw InputError(file.string(), "expected what foci replay --frames wrote" +
+                                        (part.version.empty() || part.version == versionText()
+                                             ? ""
+                                             : ", but rendered by foci " + part.version));
   }
   if (altered) refuseAltered(file, "list of frames");
   const auto bad = [](const PartFrame& frame) {

@@ -23,14 +23,15 @@ struct Taps {
   std::array<float, 4> weights{};
 };
 
-/// Cubics. Beyond the edges, the parabola through the last three samples goes on.
+/// Cubics (Catmull and Rom 1974). Beyond the edges, the parabola through the last three samples
+/// goes on.
 inline std::array<Taps, kMostSamples> tapsOf(const Resampling& resampling) {
   const int last = resampling.from_samples - 1;
   std::array<Taps, kMostSamples> taps;
   for (int i = 0; i < resampling.to_samples; ++i) {
     const float at = resampling.first + resampling.step * static_cast<float>(i);
     const int below = std::min(static_cast<int>(at), last - 1);
-    const auto w = cubicTaps(at - static_cast<float>(below));
+    const auto w = catmullRom(at - static_cast<float>(below));
     Taps& each = taps[static_cast<std::size_t>(i)];
     if (below == 0) {
       each = {0, {w[1] + 3.0f * w[0], w[2] - 3.0f * w[0], w[3] + w[0], 0.0f}};

@@ -68,7 +68,7 @@ std::array<Place, kTile * kMaxStep_px> placesOf(const Tile& tile) {
     const float at =
         (static_cast<float>(i) + 0.5f) / static_cast<float>(tile.step_px) - 0.5f + kApron;
     const int below = static_cast<int>(at);
-    places[i] = {below - 1, cubicTaps(at - static_cast<float>(below))};
+    places[i] = {below - 1, catmullRom(at - static_cast<float>(below))};
   }
   return places;
 }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "render/image/frame.h"
-#include "render/splat/constants.h"
 #include "render/splat/splat.h"
 
 namespace foci {
@@ -107,12 +106,11 @@ class TileLists {
   std::vector<std::uint32_t> entries_;
 };
 
-/// Weights of four samples in a row, `t` of the way from the second to the third: the straight line
-/// between these two, and `kBend` times what Lagrange's cubic adds to it. Linear ramps stay.
-inline std::array<float, 4> cubicTaps(float t) {
-  const float bend = -kBend / 6.0f * t * (1.0f - t);
-  const float before = bend * (2.0f - t), after = bend * (1.0f + t);
-  return {before, 1.0f - t - 2.0f * before + after, t + before - 2.0f * after, after};
+/// Weights of four samples in a row, `t` of the way from the second to the third (Catmull and Rom
+/// 1974).
+inline std::array<float, 4> catmullRom(float t) {
+  return {0.5f * t * (-1.0f + t * (2.0f - t)), 0.5f * (2.0f + t * t * (-5.0f + 3.0f * t)),
+          0.5f * t * (1.0f + t * (4.0f - 3.0f * t)), 0.5f * t * t * (t - 1.0f)};
 }
 
 /// Writes the tile's pixels that lie on the frame. Samples one pixel apart are copied. Others are

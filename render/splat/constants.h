@@ -21,8 +21,9 @@ inline constexpr float kComaOverlap = 1.17f;
 /// pupil seldom causes a larger tilt.
 inline constexpr float kMinTilt = 0.01f;
 
-/// Lower bound of a node's squared cosine in its slant, where rounded products cancel.
-inline constexpr float kLeastCos2 = 1e-4f;
+/// In a node's slant, where rounded products cancel: a lower bound of its squared cosine, and for
+/// the nodes of a wire the rounding error of adj(V), over the square of V's trace.
+inline constexpr float kLeastCos2 = 1e-4f, kRounding = 1e-7f;
 
 /// Peak light of one splat, of a white surface's, from which it counts as a highlight; from twice
 /// that peak fully. Chosen by hand.
@@ -47,11 +48,6 @@ inline constexpr float kFrontCover = 0.05f;
 /// Smallest standard deviation of a tile's kernels over the distance of its samples, if that
 /// distance exceeds a pixel. Chosen by hand; `SweepLod` tests bound its errors.
 inline constexpr float kSigmasAStep = 0.7f;
-
-/// Of `cubicTaps`. Over edges that are blurred by 0.7 to 1.4 distances of samples, standard
-/// deviation, 1.25 has 0.78 of the error of Catmull and Rom's cubic (1974), root mean square; 1 has
-/// 0.96.
-inline constexpr float kBend = 1.25f;
 
 /// Bits of the distance that splats are sorted by: two digits of 9 bits, whose counters fit into
 /// the first-level cache.

@@ -148,7 +148,10 @@ HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const V3&
   const V axy = minor(xz, yz, xy, zz), axz = minor(xy, yz, xz, yy), ayz = minor(xy, xz, yz, xx);
   const V3 q{dot({axx, axy, axz}, p), dot({axy, ayy, ayz}, p), dot({axz, ayz, azz}, p)};
   const V trace = hn::Add(axx, hn::Add(ayy, azz));
-  const V least = hn::Mul(hn::Mul(hn::Set(d, kLeastCos2), dot(p, p)), trace);
+  const V size = hn::Add(xx, hn::Add(yy, zz));
+  const V least =
+      hn::Mul(dot(p, p), hn::MulAdd(hn::Set(d, kLeastCos2), trace,
+                                    hn::Mul(hn::Set(d, kRounding), hn::Mul(size, size))));
   const V seen = hn::Max(dot(q, p), hn::Max(least, hn::Set(d, 1e-36f)));
   f.slant = scaled(q, hn::Div(hn::Set(d, 1.0f), seen));
   return f;

@@ -45,7 +45,7 @@ struct Taps {
 // samples goes on.
 Taps tapsAt(float at, int last) {
   int below = min(int(at), last - 1);
-  vec4 w = cubicTaps(at - float(below));
+  vec4 w = catmullRom(at - float(below));
   if (below == 0) return Taps(0, vec4(w.y + 3.0 * w.x, w.z - 3.0 * w.x, w.w + w.x, 0.0));
   if (below == last - 1) {
     return Taps(last - 3, vec4(0.0, w.x + w.w, w.y - 3.0 * w.w, w.z + 3.0 * w.w));

@@ -1,4 +1,5 @@
-// Pixels from the samples of their tiles: copied, or by cubics (render/splat/bin.cpp).
+// Pixels from the samples of their tiles: copied, or by Catmull and Rom's cubic
+// (render/splat/bin.cpp).
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(std430, binding = 0) readonly buffer TileOfCell { uint tile_of_cell[]; };
 layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };
@@ -54,7 +55,7 @@ void main() {
   }
   vec2 place = (vec2(inside) + 0.5) / float(tile.w) - 0.5 + float(kApron);
   ivec2 below = ivec2(place);
-  vec4 tx = cubicTaps(place.x - float(below.x)), ty = cubicTaps(place.y - float(below.y));
+  vec4 tx = catmullRom(place.x - float(below.x)), ty = catmullRom(place.y - float(below.y));
   vec4 value = vec4(0.0);
   float weighted_m = 0.0;
   for (int y = 0; y < 4; ++y) {

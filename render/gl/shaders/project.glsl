@@ -62,7 +62,8 @@ Footprint nodeFootprint(uint i, vec3 p, vec3 to_x, vec3 to_y, vec3 to_distance) 
   mat3 adjugate = mat3(cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1]));
   vec3 q = adjugate * p;
   float trace = adjugate[0].x + adjugate[1].y + adjugate[2].z;
-  f.slant = q / max(dot(q, p), max(kLeastCos2 * dot(p, p) * trace, 1e-36));
+  float least = dot(p, p) * (kLeastCos2 * trace + kRounding * square(a.x + a.w + b.y));
+  f.slant = q / max(dot(q, p), max(least, 1e-36));
   return f;
 }
 

@@ -25,6 +25,25 @@ constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
 constexpr std::array<std::string_view, 2> kMeshopt = {"EXT_meshopt_compression",
                                                       "KHR_meshopt_compression"};
 
+/// How deep the brackets of a JSON text nest, whether or not it is well formed.
+int jsonDepth(std::string_view json) {
+  int depth = 0, deepest = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (quoted && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (!quoted && (c == '{' || c == '[')) {
+      deepest = std::max(deepest, ++depth);
+    } else if (!quoted && (c == '}' || c == ']')) {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
 std::string bytesText(std::size_t bytes) {
   return thousands(static_cast<double>(bytes)) + " bytes";
 }
@@ -157,24 +176,17 @@ void GltfDocument::parse(Bytes file) {
     }
   }
   std::string_view json(reinterpret_cast<const char*>(text.data()), text.size());
+  if (const int depth = jsonDepth(json); depth > kMaxJsonDepth) {
+    refuse("its JSON nests ", depth, " deep: expected at most ", kMaxJsonDepth);
+  }
   while (json.ends_with('\0')) json.remove_suffix(1);
-  int deepest = 0;
-  const Json::parser_callback_t keeps = [&](int depth, Json::parse_event_t event, const Json&) {
-    const bool opens =
-        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-    deepest = std::max(deepest, depth + opens);
-    return depth < kMaxJsonDepth;
-  };
-  json_ = Json::parse(json, keeps, /*allow_exceptions=*/false);  // skips a byte order mark
+  json_ = Json::parse(json, nullptr, /*allow_exceptions=*/false);  // skips a byte order mark
   if (json_.is_discarded()) {
     std::string ascii(json);
     std::replace_if(
         ascii.begin(), ascii.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; },
         '?');
-    json_ = Json::parse(ascii, keeps, false);
-  }
-  if (deepest > kMaxJsonDepth) {
-    refuse("its JSON nests ", deepest, " deep: expected at most ", kMaxJsonDepth);
+    json_ = Json::parse(ascii, nullptr, false);
   }
   if (!json_.is_object()) refuse("is not glTF: expected a JSON object");
   const Json* const asset = partOf(json_, "asset");
