@@ -35,7 +35,8 @@ std::string nameOfKey(const std::string& member) {
   key < Keyed, [](auto& of) -> auto& { return of.member; } \
   > (name, __VA_ARGS__)
 
-// What a line of sight is read from.
+// What a line of sight is read from. The name of a member cannot stand in parentheses.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define FOCI_SIGHT_KEYS(prefix, sight)                                                         \
   FOCI_KEY_AS(prefix "direction", sight.direction,                                             \
               "columns x, y, z of the line of sight, as a unit vector"),                       \
@@ -47,6 +48,7 @@ std::string nameOfKey(const std::string& member) {
                   "columns x, y, z of the point that the line of sight meets"),                \
       FOCI_KEY_AS(prefix "origin", sight.origin,                                               \
                   "columns x, y, z of the point where the line of sight begins")
+// NOLINTEND(bugprone-macro-parentheses)
 
 constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
