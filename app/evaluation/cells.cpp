@@ -71,7 +71,9 @@ std::optional<ChartCell> ChartCells::load(const std::string& name, const std::st
     json.at("tolerance_met").get_to(cell.tolerance_met);
     const Json& level = json.at("quality_level");
     if (!level.is_null()) cell.quality_level = qualityLevelFrom(level.get<std::string>());
-    json.at("ms").get_to(cell.ms);
+    for (const auto& [threads, ms] : json.at("ms").items()) {
+      cell.ms[static_cast<unsigned>(std::atoi(threads.c_str()))] = ms.get<std::vector<double>>();
+    }
     return cell;
   });
 }
@@ -89,9 +91,10 @@ void ChartCells::store(const std::string& name, const std::string& key,
                {"tolerance_met", cell.tolerance_met},
                {"quality_level", nullptr},
                {"first_ms", cell.first_ms},
-               {"ms", cell.ms}};
+               {"ms", Json::object()}};
   if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
   if (cell.quality_level) json["quality_level"] = textOf(*cell.quality_level);
+  for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
   writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 
