@@ -288,7 +288,7 @@ std::vector<std::uint32_t> mortonOrder(std::span<const glm::vec3> position_m) {
   const glm::vec3 size = high - low;
   const float scale = kLastCell / std::max({size.x, size.y, size.z, 1e-30f});
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(position_m.size());
-  parallelFor(position_m.size(), [&](std::size_t i) {
+  parallelFor(position_m.size(), [&, low = low](std::size_t i) {
     const glm::vec3 cell = glm::min((position_m[i] - low) * scale, kLastCell);
     const auto part = [](float x) { return spread(static_cast<std::uint64_t>(x)); };
     keys[i] = {part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2, static_cast<std::uint32_t>(i)};
