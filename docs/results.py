@@ -272,7 +272,7 @@ def chart(args):
     return "\n\n".join(text)
 
 
-MOTION_GOALS = {"head-1mm": 0.01, "head-10mm": 0.01, "head-forwards": 0.01, "focus": 0.005}  # excess change, for 99.9 % of the pixels
+MOTION_GOALS = {"head-1mm": 0.01, "head-10mm": 0.01, "focus": 0.005}  # excess change, for 99.9 % of the pixels
 
 
 def motion(args):
@@ -287,7 +287,7 @@ def motion(args):
     def text(path, excess):
         return ", ".join(f"**{short(one, 2)}**" if one > MOTION_GOALS[path] else short(one, 2) for one in excess)
 
-    return (f"`{' '.join(['foci chart --motion --method auto', *args.quick])}`: excess change in the worst frame, linear light, and within half of the time ([methods.md](methods.md#motion)); bold "
+    return (f"`{' '.join(['foci chart --motion --method auto', *args.quick])}`: worst excess change in light, then within half of the time ([methods.md](methods.md#motion)); bold "
             f"exceeds {MOTION_GOALS['head-1mm']} (head) or {MOTION_GOALS['focus']} (focus).\n\n" +
             table(["scene", *MOTION_GOALS], [[f"`{scene}`"] + [text(path, found[path]) for path in MOTION_GOALS]
                                              for scene, found in worst.items()]))
