@@ -74,15 +74,13 @@ class FearingMethod final : public FilterMethod {
       if (changes[t].sum == 0.0) continue;
       const int ring = static_cast<int>(
           std::ceil((changes[t].reach_px + 0.5f) / static_cast<float>(DiscImage::kTile_px)));
-      const glm::ivec2 first = glm::max(tileAt(t) - ring, glm::ivec2(0));
-      const glm::ivec2 last = glm::min(tileAt(t) + ring, tiles - 1);
+      const glm::ivec2 first = glm::max(discs_.tileAt(t) - ring, glm::ivec2(0));
+      const glm::ivec2 last = glm::min(discs_.tileAt(t) + ring, tiles - 1);
       for (int y = first.y; y <= last.y; ++y) {
         for (int x = first.x; x <= last.x; ++x) importance_[y * tiles.x + x] += changes[t].sum;
       }
     }
   }
-
-  glm::ivec2 tileAt(int tile) const { return {tile % discs_.tiles().x, tile / discs_.tiles().x}; }
 
   std::size_t percent_;
   Frame shown_;                       // the previous frame

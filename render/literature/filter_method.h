@@ -27,8 +27,8 @@ class FilterMethod : public Method {
   template <typename Visit>
   void forEachTile(const Visit& visit) const {
     parallelFor(static_cast<std::size_t>(discs_.tileCount()), [&](std::size_t t) {
-      const int tile = static_cast<int>(t), columns = discs_.tiles().x;
-      const glm::ivec2 begin = glm::ivec2(tile % columns, tile / columns) * DiscImage::kTile_px;
+      const int tile = static_cast<int>(t);
+      const glm::ivec2 begin = discs_.tileAt(tile) * DiscImage::kTile_px;
       visit(tile, begin, glm::min(begin + DiscImage::kTile_px, discs_.size_px()));
     });
   }

@@ -150,7 +150,7 @@ float DiscImage::weightSum(float defocus_D) const {
 }
 
 void DiscImage::spreadOnto(int tile, std::vector<glm::vec4>& out) const {
-  const glm::ivec2 begin = glm::ivec2(tile % tiles().x, tile / tiles().x) * kTile_px;
+  const glm::ivec2 begin = tileAt(tile) * kTile_px;
   const glm::ivec2 end = glm::min(begin + kTile_px, size_px_);
   glm::vec4 sums[kTile_px * kTile_px] = {};
   forEachDiscOn(tile, [&](int x, int y, int row, int first, int last, const float* weights) {

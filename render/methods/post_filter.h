@@ -54,6 +54,8 @@ class DiscImage {
   glm::ivec2 size_px() const { return size_px_; }
   glm::ivec2 tiles() const { return (size_px_ + kTile_px - 1) / kTile_px; }
   int tileCount() const { return tiles().x * tiles().y; }
+  /// Column and row of a tile.
+  glm::ivec2 tileAt(int tile) const { return {tile % tiles().x, tile / tiles().x}; }
 
   /// Radius along x and y of a disc of that defocus, pixels.
   glm::vec2 radius_px(float defocus_D) const { return radius_px_per_D_ * std::abs(defocus_D); }
@@ -94,7 +96,7 @@ class DiscImage {
 
 template <typename Visit>
 void DiscImage::forEachDiscOn(int tile, const Visit& visit) const {
-  const glm::ivec2 at(tile % tiles().x, tile / tiles().x);
+  const glm::ivec2 at = tileAt(tile);
   const glm::ivec2 begin = at * kTile_px, end = glm::min(begin + kTile_px, size_px_);
   const int ring = border_px_ / kTile_px;
   float weights[kTile_px];
