@@ -143,22 +143,23 @@ class BlurPyramid::Tile {
     }
   }
 
-  void renderInto(Frame& frame) {
-    for (int y = 0; y < size_.y; ++y) {
-      findLevels(y);
-      int first = kCopies, last = 0;
-      for (int x = 0; x < size_.x; ++x) {
-        finer_[x] = std::min(static_cast<int>(level_[x]), kCopies - 1);
-        first = std::min(first, finer_[x]);
-        last = std::max(last, finer_[x]);
-      }
-      for (int j = first; j <= last + 1; ++j) findRow(j, y);
-      glm::vec4* out = frame.rgba.data() + indexOf(y);
-      for (int x = 0; x < size_.x; ++x) {
-        const int j = finer_[x];
-        const Colour finer = rows_[j].at(x), coarser = rows_[j + 1].at(x);
-        put(finer + (level_[x] - static_cast<float>(j)) * (coarser - finer), out[x]);
-      }
+  void renderRow(int y, Frame& frame) const {
+    float level[kSide_px];               // by pixel
+    int finer[kSide_px];                 // of the two copies that a pixel interpolates
+    Colour rows[kCopies + 1][kSide_px];  // by copy
+    findLevels(y, level);
+    int first = kCopies, last = 0;
+    for (int x = 0; x < size_.x; ++x) {
+      finer[x] = std::min(static_cast<int>(level[x]), kCopies - 1);
+      first = std::min(first, finer[x]);
+      last = std::max(last, finer[x]);
+    }
+    for (int j = first; j <= last + 1; ++j) interpolateRow(j, y, rows[j]);
+    glm::vec4* out = frame.rgba.data() + indexOf(y);
+    for (int x = 0; x < size_.x; ++x) {
+      const int j = finer[x];
+      const Colour from = rows[j][x];
+      put(from + (level[x] - static_cast<float>(j)) * (rows[j + 1][x] - from), out[x]);
     }
   }
 
@@ -172,21 +173,6 @@ class BlurPyramid::Tile {
   }
 
   static void put(const Colour& from, glm::vec4& to) { std::memcpy(&to, &from, sizeof to); }
-
-  /// A row of a copy with a sample every 2^k pixels, for linear interpolation.
-  struct Row {
-    const glm::vec4* samples = nullptr;
-    int k = 0;
-    int first = 0;  ///< offset of pixel 0 from the first sample, px
-    int next = 0;   ///< offset of the next sample; 0 where each pixel has a sample
-    float inverse = 1.0f;
-
-    Colour at(int x) const {
-      const int i = (first + x) >> k, rest = first + x - (i << k);
-      const Colour before = colour(samples[i]);
-      return before + static_cast<float>(rest) * inverse * (colour(samples[i + next]) - before);
-    }
-  };
 
   std::size_t indexOf(int y) const {
     return static_cast<std::size_t>(corner_.y + y) * pyramid_.sharp_.size_px.x + corner_.x;
@@ -205,14 +191,14 @@ class BlurPyramid::Tile {
   }
 
   /// Finds the level of each pixel in a row of the tile.
-  void findLevels(int y) {
+  void findLevels(int y, float* level) const {
     const float* point_D = pyramid_.point_D_.data() + indexOf(y);
     const glm::vec2 finite = glm::min(defocus_.radius_px_per_D, glm::vec2(1e6f));
     const float radius_px_per_D = std::sqrt(finite.x * finite.y);
     const auto find = [&](auto&& defocus_D) {
       for (int x = 0; x < size_.x; ++x) {
         const float radius_px = std::min(radius_px_per_D * defocus_D(point_D[x]), kMaxRadius_px);
-        level_[x] = levelOf(kDiscVariancePerRadius2 * radius_px * radius_px);
+        level[x] = levelOf(kDiscVariancePerRadius2 * radius_px * radius_px);
       }
     };
     if (shownField(defocus_)) {
@@ -221,7 +207,7 @@ class BlurPyramid::Tile {
       const glm::vec3 right = glm::mix(variance_px2_[1], variance_px2_[3], share(y));
       for (int x = 0; x < size_.x; ++x) {
         const float off_D = defocus_.focus_D - point_D[x];
-        level_[x] = levelOf(
+        level[x] = levelOf(
             glm::dot(glm::mix(left, right, share(x)), glm::vec3(1.0f, off_D, off_D * off_D)));
       }
     } else if (isAstigmatic(defocus_)) {
@@ -231,50 +217,54 @@ class BlurPyramid::Tile {
     }
   }
 
-  /// Interpolates row y of the tile in copy j; copy 0 is the image itself.
-  void findRow(int j, int y) {
-    Row& row = rows_[j];
+  /// Row y of the tile in copy j, which has a sample every 2^(j/2) pixels; copy 0 is the image.
+  void interpolateRow(int j, int y, Colour* to) const {
     const int k = j / 2, step = 1 << k;
     const std::size_t copy_j = static_cast<std::size_t>(j);
     if (k == 0) {
       const auto& rgba = j == 0 ? pyramid_.sharp_.rgba : pyramid_.copies_[copy_j].rgba;
-      row = {.samples = rgba.data() + indexOf(y)};
+      std::memcpy(to, rgba.data() + indexOf(y), size_.x * sizeof(Colour));
       return;
     }
     const Copy& copy = pyramid_.copies_[copy_j];
     const int at_y = corner_.y + y, coarse_y = at_y >> k;
-    const float ty = static_cast<float>(at_y & (step - 1)) / static_cast<float>(step);
+    const float inverse = 1.0f / static_cast<float>(step);
+    const float ty = static_cast<float>(at_y & (step - 1)) * inverse;
     const glm::vec4* above = copy.rgba.data() + static_cast<std::size_t>(coarse_y) * copy.size.x;
     const glm::vec4* below = coarse_y + 1 < copy.size.y ? above + copy.size.x : above;
-    const int begin = corner_.x >> k, end = ((corner_.x + size_.x - 1) >> k) + 2;
-    glm::vec4* between = between_[j];
-    for (int x = begin; x < end; ++x) {
+    const auto between = [&](int x) {
       const int from = std::min(x, copy.size.x - 1);
       const Colour upper = colour(above[from]);
-      put(upper + ty * (colour(below[from]) - upper), between[x - begin]);
+      return upper + ty * (colour(below[from]) - upper);
+    };
+    int coarse_x = corner_.x >> k, rest = corner_.x & (step - 1);
+    Colour before = between(coarse_x);
+    for (int x = 0; x < size_.x; rest = 0) {
+      const Colour after = between(++coarse_x), change = after - before;
+      for (; rest < step && x < size_.x; ++rest, ++x) {
+        to[x] = before + static_cast<float>(rest) * inverse * change;
+      }
+      before = after;
     }
-    row = {.samples = between,
-           .k = k,
-           .first = corner_.x - (begin << k),
-           .next = 1,
-           .inverse = 1.0f / static_cast<float>(step)};
   }
 
   const BlurPyramid& pyramid_;
   const Defocus& defocus_;
   glm::ivec2 corner_, size_;
   glm::vec3 variance_px2_[4]{};  // at the tile's corners; with a field only
-  float level_[kSide_px];        // by pixel of a row
-  int finer_[kSide_px];          // the finer of the two copies that a pixel interpolates
-  Row rows_[kCopies + 1];        // by copy
-  glm::vec4 between_[kCopies + 1][kSide_px / 2 + 3];
 };
 
 void BlurPyramid::blur(const Defocus& defocus, Frame& frame) const {
-  const glm::ivec2 tiles = (sharp_.size_px + kSide_px - 1) / kSide_px;
-  parallelFor(static_cast<std::size_t>(tiles.x) * tiles.y, [&](std::size_t i) {
-    const int tile = static_cast<int>(i);
-    Tile(*this, defocus, kSide_px * glm::ivec2(tile % tiles.x, tile / tiles.x)).renderInto(frame);
+  // Row by row through all tiles of a strip: memory is read in its order.
+  const glm::ivec2 size_px = sharp_.size_px;
+  parallelFor((size_px.y + kSide_px - 1) / kSide_px, [&](std::size_t i) {
+    const int top = kSide_px * static_cast<int>(i);
+    std::vector<Tile> tiles;
+    for (int x = 0; x < size_px.x; x += kSide_px)
+      tiles.emplace_back(*this, defocus, glm::ivec2(x, top));
+    for (int y = 0; y < std::min(kSide_px, size_px.y - top); ++y) {
+      for (const Tile& tile : tiles) tile.renderRow(y, frame);
+    }
   });
   if (!frame.depth_m.empty()) frame.depth_m = sharp_.depth_m;
 }
