@@ -1,5 +1,7 @@
 #include "base/parallel.h"
 
+#include <chrono>
+
 #ifdef FOCI_TSAN
 #include <atomic>
 #include <thread>
@@ -12,6 +14,35 @@
 #endif
 
 namespace foci {
+namespace {
+
+thread_local Gate* gate_of_thread = nullptr;
+
+void passGate() {
+  if (gate_of_thread) gate_of_thread->pass();
+}
+
+}  // namespace
+
+void Gate::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+}
+
+void Gate::open() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = false;
+  }
+  opened_.notify_all();
+}
+
+void Gate::pass() {
+  std::unique_lock lock(mutex_);
+  opened_.wait_for(lock, std::chrono::milliseconds(50), [&] { return !closed_; });
+}
+
+void passBeforeRanges(Gate* gate) { gate_of_thread = gate; }
 
 // TBB is not instrumented for the thread sanitizer. Sanitized builds use plain threads instead.
 void parallelRanges(std::size_t n,
@@ -20,7 +51,10 @@ void parallelRanges(std::size_t n,
 #ifdef FOCI_TSAN
   std::atomic<std::size_t> next{0};
   const auto work_on = [&] {
-    for (std::size_t i = next++; i < n; i = next++) work(body, i, i + 1);
+    for (std::size_t i = next++; i < n; i = next++) {
+      passGate();
+      work(body, i, i + 1);
+    }
   };
   std::vector<std::jthread> threads(3);
   for (std::jthread& thread : threads) thread = std::jthread(work_on);
@@ -28,6 +62,7 @@ void parallelRanges(std::size_t n,
 #else
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n),
                     [&](const tbb::blocked_range<std::size_t>& range) {
+                      passGate();
                       work(body, range.begin(), range.end());
                     });
   if (tbb::is_current_task_group_canceling()) throw Cancelled();

@@ -1,7 +1,9 @@
 // Work spread over threads. All threads of the libraries start here.
 #pragma once
 
+#include <condition_variable>
 #include <cstddef>
+#include <mutex>
 
 namespace foci {
 
@@ -31,6 +33,24 @@ void parallelFor(std::size_t n, const Body& body) {
       },
       &body);
 }
+
+/// Holds up the work of a thread for the sake of more urgent work.
+class Gate {
+ public:
+  void close();
+  void open();
+  /// Waits until it is open; no longer than 50 ms, so that nobody can wait for each other.
+  void pass();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable opened_;
+  bool closed_ = false;
+};
+
+/// From now on, the calling thread passes the gate before each range that it works on.
+/// @param gate  outlives the thread
+void passBeforeRanges(Gate* gate);
 
 /// Number of threads that the enclosing tbb::global_control allows.
 unsigned maxThreads();

@@ -101,6 +101,7 @@ bool Refiner::carryOut(const Step& step, RenderedFrame& rendered) {
 void Refiner::run(const std::stop_token& stop) {
   // The frame loop goes first. If the system does not allow that, both share the cores.
   yieldToOtherThreads();
+  passBeforeRanges(&gate_);
   tbb::task_arena arena(static_cast<int>(threads_), 1, tbb::task_arena::priority::low);
   RenderedFrame rendered;
   while (!stop.stop_requested()) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/session/frame_renderer.h"
+#include "base/parallel.h"
 
 namespace foci {
 
@@ -31,6 +32,9 @@ class Refiner {
   /// The next frame is rendered into this one's memory: a new one costs the system milliseconds.
   void reuse(RenderedFrame&& rendered);
 
+  /// While the frame loop renders, it has the cores and their memory for itself.
+  Gate& gate() { return gate_; }
+
   /// How many steps have been completed: views prepared, frames rendered.
   std::uint64_t done() const;
 
@@ -49,6 +53,7 @@ class Refiner {
 
   FrameRenderer renderer_;
   unsigned threads_;
+  Gate gate_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::vector<RenderRequest> wanted_;

@@ -585,10 +585,14 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   last_method_ = methodOfFrame(study_, frame->record);
   const RenderRequest request = session_->requestOf(last_method_, frame->record);
   const bool again = refine(request, frame->record);
+  // On a GPU the frame would wait for the refiner, which may hold the device.
+  const bool goes_first = refiner_ && !session_->renderer().gpu();
+  if (goes_first) refiner_->gate().close();
   RenderedFrame& rendered = session_->renderKept(request, frame->record, again);
   if (!shows_textures_) session_->renderer().read(rendered);
   alike_ = request == last_request_ && frame->record.method == last_.method ? alike_ + 1 : 0;
   fill(*frame, rendered);
+  if (goes_first) refiner_->gate().open();
   last_request_ = request;
   last_ = frame->record;
   paused_frames_ = time_s > now_s ? paused_frames_ + 1 : 0;
