@@ -73,7 +73,7 @@ const LevelSettings& settingsOf(QualityLevel level) {
   return kLevels[static_cast<std::size_t>(level)];
 }
 
-int viewsOfTruth(float blur_px) { return blur_px == 0.0f ? 2 : blur_px <= 12.0f ? 32 : 64; }
+int viewsOfTruth(float blur_px) { return blur_px == 0.0f ? 4 : blur_px <= 12.0f ? 32 : 64; }
 
 std::span<const float> relativeTimes() { return kRelativeTimes; }
 

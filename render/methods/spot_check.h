@@ -2,6 +2,7 @@
 // the scene in view, which no table of blur radii can know.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <memory>
@@ -38,7 +39,7 @@ class SpotCheck {
   /// Absent before a level was compared in a quarter of the squares.
   std::optional<float> error(std::size_t level) const;
 
-  /// The same for the truth itself, from the difference of the halves of its views.
+  /// The same for the truth itself, from the differences of parts of its views.
   std::optional<float> errorOfViews() const;
 
  private:
@@ -46,9 +47,10 @@ class SpotCheck {
     glm::ivec2 corner_px;
     View view;
     Cut cut;                                // of its views; empty before and after them
-    Frame even, odd;                        // sums of views
+    std::array<Frame, 4> quarters;          // sums of views
     std::vector<glm::vec3> first, truth;    // as the eye sees them
     std::vector<float> halves_apart;        // of the truth
+    float quarters2 = 0.0f;                 // sum of their squared differences, mean of both pairs
     std::vector<std::vector<float>> apart;  // from the truth, by level
   };
   /// The level or the view that a job renders.
@@ -64,6 +66,7 @@ class SpotCheck {
   void add(const Job& job, const Frame& frame);
   void compareViews(Square& square) const;
   void compare(Square& square, std::size_t level, const std::vector<glm::vec3>& seen) const;
+  float noiseOfHalves() const;
   template <typename ValuesOf>
   std::optional<float> quantileOf(const ValuesOf& valuesOf) const;
   struct Buffers {
