@@ -1,7 +1,5 @@
 #include "base/parallel.h"
 
-#include <chrono>
-
 #ifdef FOCI_TSAN
 #include <atomic>
 #include <thread>
@@ -39,7 +37,7 @@ void Gate::open() {
 
 void Gate::pass() {
   std::unique_lock lock(mutex_);
-  opened_.wait_for(lock, std::chrono::milliseconds(50), [&] { return !closed_; });
+  opened_.wait_for(lock, kLongestWait, [&] { return !closed_; });
 }
 
 void passBeforeRanges(Gate* gate) { gate_of_thread = gate; }
@@ -56,8 +54,12 @@ void parallelRanges(std::size_t n,
       work(body, i, i + 1);
     }
   };
+  const auto help = [&work_on, gate = gate_of_thread] {
+    passBeforeRanges(gate);
+    work_on();
+  };
   std::vector<std::jthread> threads(3);
-  for (std::jthread& thread : threads) thread = std::jthread(work_on);
+  for (std::jthread& thread : threads) thread = std::jthread(help);
   work_on();
 #else
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n),

@@ -1,6 +1,7 @@
 // Work spread over threads. All threads of the libraries start here.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <mutex>
@@ -37,9 +38,10 @@ void parallelFor(std::size_t n, const Body& body) {
 /// Holds up the work of a thread for the sake of more urgent work.
 class Gate {
  public:
+  static constexpr std::chrono::milliseconds kLongestWait{20};
   void close();
   void open();
-  /// Waits until it is open; no longer than 50 ms, so that nobody can wait for each other.
+  /// Waits until it is open; not forever, so that nobody can wait for each other.
   void pass();
 
  private:
@@ -48,7 +50,8 @@ class Gate {
   bool closed_ = false;
 };
 
-/// From now on, the calling thread passes the gate before each range that it works on.
+/// From now on, the calling thread passes the gate before each range that it works on. Threads that
+/// help it do not: TBB takes them away by the arena's priority.
 /// @param gate  outlives the thread
 void passBeforeRanges(Gate* gate);
 

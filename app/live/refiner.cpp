@@ -24,6 +24,7 @@ Refiner::Refiner(FrameRenderer renderer, unsigned threads)
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 Refiner::~Refiner() {
+  gate_.open();
   thread_.request_stop();
   want({});
 }

@@ -303,7 +303,12 @@ class AutoMethod final : public Method {
     if (!running_) begin(first, view, settings, blur_px);
     const auto isEnough = [&] { return still ? running_->isFirstDone() : running_->isDone(); };
     while (!isEnough()) {
-      running_->step();
+      try {
+        running_->step();
+      } catch (...) {  // cancelled: a part is lost
+        running_.reset();
+        throw;
+      }
       ++running_of_.steps;
       if (!now) break;
     }

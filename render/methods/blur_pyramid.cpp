@@ -255,15 +255,17 @@ class BlurPyramid::Tile {
 };
 
 void BlurPyramid::blur(const Defocus& defocus, Frame& frame) const {
-  // Row by row through all tiles of a strip: memory is read in its order.
+  // Row by row through all tiles: memory is read in its order.
+  constexpr int kRows = kSide_px / 2;
   const glm::ivec2 size_px = sharp_.size_px;
-  parallelFor((size_px.y + kSide_px - 1) / kSide_px, [&](std::size_t i) {
-    const int top = kSide_px * static_cast<int>(i);
+  parallelFor((size_px.y + kRows - 1) / kRows, [&](std::size_t i) {
+    const int first = kRows * static_cast<int>(i), top = first / kSide_px * kSide_px;
     std::vector<Tile> tiles;
-    for (int x = 0; x < size_px.x; x += kSide_px)
+    for (int x = 0; x < size_px.x; x += kSide_px) {
       tiles.emplace_back(*this, defocus, glm::ivec2(x, top));
-    for (int y = 0; y < std::min(kSide_px, size_px.y - top); ++y) {
-      for (const Tile& tile : tiles) tile.renderRow(y, frame);
+    }
+    for (int y = first; y < std::min(first + kRows, size_px.y); ++y) {
+      for (const Tile& tile : tiles) tile.renderRow(y - top, frame);
     }
   });
   if (!frame.depth_m.empty()) frame.depth_m = sharp_.depth_m;

@@ -164,40 +164,24 @@ Frame SpotCheck::render(const Job& job) {
   return frame;
 }
 
-void SpotCheck::add(const Job& job, const Frame& frame) {
-  Square& square = squares_[job.square];
-  if (job.view) {
-    const float weight = points_[*job.view].weight * static_cast<float>(points_.size());
-    addTo(square.quarters[*job.view % 4], weight, frame);
-    if (*job.view + 1 == points_.size()) compareViews(square);
-  } else if (*job.level == 0) {
-    square.first = labOf(frame, kUsualPx_per_deg);
-  } else {
-    compare(square, *job.level, labOf(frame, kUsualPx_per_deg));
-  }
-}
-
 void SpotCheck::compareViews(Square& square) const {
   const auto labOfMean = [&](std::initializer_list<std::size_t> quarters) {
     Frame mean;
     mean.resize(square.view.size_px);
-    float views = 0.0f;
-    for (const std::size_t q : quarters) views += static_cast<float>((points_.size() + 3 - q) / 4);
-    for (const std::size_t q : quarters) addTo(mean, 1.0f / views, square.quarters[q]);
+    float light = 0.0f;
+    for (const std::size_t q : quarters) {
+      for (std::size_t i = q; i < points_.size(); i += 4) light += points_[i].weight;
+    }
+    for (const std::size_t q : quarters) addTo(mean, 1.0f / light, square.quarters[q]);
     return labOf(mean, kUsualPx_per_deg);
   };
   square.truth = labOfMean({0, 1, 2, 3});
   square.halves_apart = apartOf(labOfMean({0, 2}), labOfMean({1, 3}));
   square.quarters2 = 0.5f * (sumOfSquares(apartOf(labOfMean({0}), labOfMean({2}))) +
                              sumOfSquares(apartOf(labOfMean({1}), labOfMean({3}))));
-  compare(square, 0, square.first);
+  square.apart[0] = apartOf(square.first, square.truth);
   square.quarters = {};
   square.cut = {};
-}
-
-void SpotCheck::compare(Square& square, std::size_t level,
-                        const std::vector<glm::vec3>& seen) const {
-  square.apart[level] = apartOf(seen, square.truth);
 }
 
 /// The root mean square error of the truth over the difference of its halves.
@@ -230,7 +214,20 @@ void SpotCheck::step() {
   });
   std::vector<Frame> frames(jobs.size());
   parallelFor(jobs.size(), [&](std::size_t i) { frames[i] = render(jobs[i]); });
-  for (std::size_t i = 0; i < jobs.size(); ++i) add(jobs[i], frames[i]);
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const auto& [number, level, view] = jobs[i];
+    Square& square = squares_[number];
+    if (view) addTo(square.quarters[*view % 4], points_[*view].weight, frames[i]);
+    if (level == 0u) square.first = labOf(frames[i], kUsualPx_per_deg);
+  }
+  parallelFor(jobs.size(), [&](std::size_t i) {
+    if (jobs[i].view && *jobs[i].view + 1 == points_.size()) compareViews(squares_[jobs[i].square]);
+  });
+  parallelFor(jobs.size(), [&](std::size_t i) {
+    if (jobs[i].level.value_or(0) == 0) return;
+    Square& square = squares_[jobs[i].square];
+    square.apart[*jobs[i].level] = apartOf(labOf(frames[i], kUsualPx_per_deg), square.truth);
+  });
 }
 
 template <typename ValuesOf>

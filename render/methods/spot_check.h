@@ -63,9 +63,7 @@ class SpotCheck {
   Job job(std::size_t number) const;
   Cut cutOf(const View& view) const;
   Frame render(const Job& job);
-  void add(const Job& job, const Frame& frame);
   void compareViews(Square& square) const;
-  void compare(Square& square, std::size_t level, const std::vector<glm::vec3>& seen) const;
   float noiseOfHalves() const;
   template <typename ValuesOf>
   std::optional<float> quantileOf(const ValuesOf& valuesOf) const;
