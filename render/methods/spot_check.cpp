@@ -177,6 +177,7 @@ void SpotCheck::compareViews(Square& square) const {
   };
   square.truth = labOfMean({0, 1, 2, 3});
   square.halves_apart = apartOf(labOfMean({0, 2}), labOfMean({1, 3}));
+  square.halves2 = sumOfSquares(square.halves_apart);
   square.quarters2 = 0.5f * (sumOfSquares(apartOf(labOfMean({0}), labOfMean({2}))) +
                              sumOfSquares(apartOf(labOfMean({1}), labOfMean({3}))));
   square.apart[0] = apartOf(square.first, square.truth);
@@ -195,7 +196,7 @@ void SpotCheck::compareViews(Square& square) const {
 float SpotCheck::noiseOfHalves() const {
   float halves2 = 0.0f, quarters2 = 0.0f;
   for (const Square& square : squares_) {
-    halves2 += sumOfSquares(square.halves_apart);
+    halves2 += square.halves2;
     quarters2 += square.quarters2;
   }
   const float c = halves2 > 0.0f ? std::max(quarters2 / halves2, 2.0f) : 2.0f;
@@ -249,7 +250,7 @@ std::optional<float> SpotCheck::error(std::size_t level) const {
     // Without the truth's noise, whose share differs from square to square.
     std::vector<float> apart = square.apart[level];
     const float all2 = sumOfSquares(apart);
-    const float noise2 = noise * noise * sumOfSquares(square.halves_apart);
+    const float noise2 = noise * noise * square.halves2;
     const float kept = all2 > noise2 ? std::sqrt(1.0f - noise2 / all2) : 0.0f;
     for (float& each : apart) each *= kept;
     return apart;

@@ -46,12 +46,12 @@ class SpotCheck {
   struct Square {
     glm::ivec2 corner_px;
     View view;
-    Cut cut;                                // of its views; empty before and after them
-    std::array<Frame, 4> quarters;          // sums of views
-    std::vector<glm::vec3> first, truth;    // as the eye sees them
-    std::vector<float> halves_apart;        // of the truth
-    float quarters2 = 0.0f;                 // sum of their squared differences, mean of both pairs
-    std::vector<std::vector<float>> apart;  // from the truth, by level
+    Cut cut;                                 // of its views; empty before and after them
+    std::array<Frame, 4> quarters;           // sums of views
+    std::vector<glm::vec3> first, truth;     // as the eye sees them
+    std::vector<float> halves_apart;         // of the truth
+    float halves2 = 0.0f, quarters2 = 0.0f;  // sums of squared differences; of quarters, a pair's
+    std::vector<std::vector<float>> apart;   // from the truth, by level
   };
   /// The level or the view that a job renders.
   struct Job {
