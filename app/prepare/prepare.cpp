@@ -152,10 +152,10 @@ std::string prepareReport(const PrepareRequest& request, const PrepareSummary& s
 }
 
 // Chosen by eye.
-constexpr std::size_t kMaxProbes = 20'000, kProbesASurfel = 10;
-constexpr int kMinNodes = 1000;  // of a level that the report lists
+constexpr std::size_t kMaxProbes = 10'000, kProbesASurfel = 10;  // a share's standard error: .5 %
+constexpr int kMinNodes = 1000;                                  // of a level that the report lists
 /// Widths of a pixel, in spacings of the surfels. 0: a view that magnifies them.
-constexpr float kPixels[] = {1.0f, 0.5f, 0.0f};
+constexpr SeenAs kPixels[] = {{1.0f}, {0.5f}, {0.0f}};
 
 /// @param smooth_only  leaves the other sums out
 KernelSumFigures figuresOf(const std::vector<KernelSum>& sums, bool smooth_only) {
@@ -190,26 +190,26 @@ std::size_t probesOf(const SurfelCloud& cloud) {
   return std::min(kMaxProbes, kProbesASurfel * cloud.size());
 }
 
-std::vector<Normalisation> normalisationOf(const SurfelCloud& cloud) {
+/// As each of `seen`.
+std::vector<Normalisation> normalisationOf(const SurfelCloud& cloud, std::span<const SeenAs> seen,
+                                           std::span<const float> added_m2 = {}) {
   std::vector<Normalisation> all;
-  for (const float pixel : kPixels) {
-    all.push_back(normalisationOf(kernelSums(cloud, probesOf(cloud), {pixel}), {pixel}));
+  for (const auto& sums : kernelSums(cloud, probesOf(cloud), seen, added_m2)) {
+    all.push_back(normalisationOf(sums, seen[all.size()]));
   }
   return all;
 }
 
 /// Levels of at least `kMinNodes` nodes. Coarser levels consist of border only.
 std::vector<LevelNormalisation> normalisationOfLevels(const MomentTree& tree) {
+  constexpr SeenAs kCoarsest[] = {kCoarsestSharp, kCoarsestBlurred};
   std::vector<LevelNormalisation> levels;
   for (int level = tree.levels() - 1; level >= 0 && 1 << level >= kMinNodes; --level) {
     const LevelKernels kernels = levelKernels(tree, level);
-    const auto as = [&](const SeenAs& seen) {
-      return normalisationOf(
-          kernelSums(kernels.surfels, probesOf(kernels.surfels), seen, kernels.added_m2), seen);
-    };
-    levels.push_back({.nodes = kernels.surfels.size(),
-                      .sharp = as(kCoarsestSharp),
-                      .blurred = as(kCoarsestBlurred)});
+    const std::vector<Normalisation> coarsest =
+        normalisationOf(kernels.surfels, kCoarsest, kernels.added_m2);
+    levels.push_back(
+        {.nodes = kernels.surfels.size(), .sharp = coarsest[0], .blurred = coarsest[1]});
   }
   return levels;
 }
@@ -240,14 +240,18 @@ OutputGuard guardOf(const PrepareRequest& request) {
 }
 
 /// The surfels with sizes and weights solved. Progress goes to standard error.
-SurfelCloud solved(PointCloud&& points) {
+/// @param before  of the surfels as they were
+SurfelCloud solved(PointCloud&& points, std::vector<Normalisation>& before) {
   std::optional<Progress> progress;
   return surfelsFromPoints(
       std::move(points),
-      {.solve = KernelSolve::thorough, .progress = [&](std::size_t done, std::size_t total) {
-         if (!progress) progress.emplace("solving weights and sizes", "passes", total);
-         progress->advance(done);
-       }});
+      {.solve = KernelSolve::thorough,
+       .progress =
+           [&](std::size_t done, std::size_t total) {
+             if (!progress) progress.emplace("solving weights and sizes", "passes", total);
+             progress->advance(done);
+           },
+       .unsolved = [&](const SurfelCloud& cloud) { before = normalisationOf(cloud, kPixels); }});
 }
 
 /// Surfels of points or of a mesh with their tree, and how closely they keep its surface.
@@ -258,9 +262,7 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
   PointCloud& points = opened.points;
   summary.dropped = points.dropped;
 
-  summary.before =
-      normalisationOf(surfelsFromPoints(PointCloud(points), {.solve = KernelSolve::none}));
-  PreparedScene scene{solved(std::move(points)),
+  PreparedScene scene{solved(std::move(points), summary.before),
                       {.mesh = opened.mesh != nullptr,
                        .plain_colors = !summary.facts.has_colors,
                        .up_axis = request.up_axis ? request.up_axis(summary.facts) : std::nullopt}};
@@ -269,7 +271,7 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
   summary.oriented = cloud.oriented;
   summary.spacing_m = medianSpacing_m(cloud);
   for (const float area_m2 : cloud.area_m2) summary.area_m2 += area_m2;
-  summary.normalisation = normalisationOf(cloud);
+  summary.normalisation = normalisationOf(cloud, kPixels);
 
   summary.of_mesh = opened.mesh != nullptr;
   if (opened.mesh) {

@@ -113,72 +113,95 @@ class RenderedKernel {
 
 }  // namespace
 
-std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
-                                  std::span<const float> added_m2) {
+std::vector<std::vector<KernelSum>> kernelSums(const SurfelCloud& cloud, std::size_t probes,
+                                               std::span<const SeenAs> seen,
+                                               std::span<const float> added_m2) {
   const std::vector<Probe> at = spread(cloud, probes);
-  const float widening2 = seen.pixel_spacings * seen.pixel_spacings +
-                          kDiscVariancePerRadius2 * seen.blur_spacings * seen.blur_spacings;
   // The surfel's width, and the standard deviation of its rendered kernel.
   const auto widthOf = [&](std::size_t i) {
     return std::max(sigmaOf(cloud, i), kSigmaPerSpacing * std::sqrt(cloud.area_m2[i]));
   };
-  const auto renderedOf = [&](std::size_t i) {
+  const auto renderedOf = [&](std::size_t i, const SeenAs& as) {
     const float width = widthOf(i);
+    const float widening2 = as.pixel_spacings * as.pixel_spacings +
+                            kDiscVariancePerRadius2 * as.blur_spacings * as.blur_spacings;
     return std::sqrt(width * width + widening2 * cloud.area_m2[i]);
   };
   std::vector<glm::vec3> centers_m;
   std::vector<float> radius_m;
   for (const Probe& probe : at) {
+    float widest_m = 0.0f;
+    for (const SeenAs& as : seen) widest_m = std::max(widest_m, renderedOf(probe.beside, as));
     centers_m.push_back(probe.p_world);
-    radius_m.push_back(kReach * renderedOf(probe.beside));
+    radius_m.push_back(kReach * widest_m);
   }
   const auto around = findWithin(cloud.position_m, centers_m, radius_m, kMaxSurfels);
 
   const auto onBody = [&](std::size_t i) {
     return !cloud.bodies.of_surfel.empty() && cloud.bodies.of_surfel[i] != 0;
   };
-  std::vector<glm::vec3> normals(cloud.size());
-  parallelFor(cloud.size(), [&](std::size_t i) { normals[i] = normalOf(cloud, i); });
-  std::vector<KernelSum> sums(at.size(), {0.0f, false});
+  std::vector<std::vector<KernelSum>> sums(seen.size());
+  for (auto& each : sums) each.assign(at.size(), {-1.0f, false});
   parallelFor(at.size(), [&](std::size_t k) {
-    const glm::vec3& normal = normals[at[k].beside];
-    const glm::vec3 along_u = glm::normalize(cloud.axis_u_m[at[k].beside]);
-    const glm::vec3 along_v = glm::normalize(cloud.axis_v_m[at[k].beside]);
-    const float width = widthOf(at[k].beside), rendered = renderedOf(at[k].beside);
+    if (around[k].size() >= kMaxSurfels) return;
+    const std::size_t beside = at[k].beside;
+    const glm::vec3 normal = normalOf(cloud, beside);
+    const glm::vec3 along_u = glm::normalize(cloud.axis_u_m[beside]);
+    const glm::vec3 along_v = glm::normalize(cloud.axis_v_m[beside]);
+    const float width = widthOf(beside);
+    struct Near {
+      std::uint32_t surfel;
+      float distance2, off_plane, cosine;
+    };
+    std::vector<Near> all;
+    all.reserve(around[k].size());
+    for (const std::uint32_t j : around[k]) {
+      const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
+      const float cosine = glm::dot(normalOf(cloud, j), normal);
+      all.push_back({j, glm::dot(d, d), std::abs(glm::dot(d, normal)),
+                     onBody(beside) && onBody(j) ? cosine : std::abs(cosine)});
+    }
     std::vector<std::uint32_t> sheet;
-    double area = 0.0;
-    bool smooth = true;
-    for (const std::uint32_t j : around[k]) {
-      const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
-      const float off_plane = std::abs(glm::dot(d, normal));
-      float cosine = glm::dot(normals[j], normal);
-      if (!onBody(at[k].beside) || !onBody(j)) cosine = std::abs(cosine);
-      if (glm::dot(d, d) < kSmoothReach * kSmoothReach * rendered * rendered) {
-        smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * rendered;
-      }
-      if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * width) continue;
-      sheet.push_back(j);
-      area += cloud.area_m2[j];
-    }
-    if (sheet.empty() || around[k].size() >= kMaxSurfels) {
-      sums[k].sum = -1.0f;
-      return;
-    }
-    const RenderedKernel rendered_kernel(
-        seen, static_cast<float>(area / static_cast<double>(sheet.size())));
-    float sum = 0.0f;
-    for (const std::uint32_t j : sheet)
-      sum += rendered_kernel.at(cloud, added_m2, j, at[k].p_world, along_u, along_v);
     std::vector<float> angles;
-    for (const std::uint32_t j : around[k]) {
-      const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
-      if (!smooth || glm::dot(d, d) <= kBorderReach * kBorderReach * rendered * rendered) continue;
-      angles.push_back(static_cast<float>(
-          std::atan2(double{glm::dot(d, along_v)}, double{glm::dot(d, along_u)})));
+    for (std::size_t s = 0; s < seen.size(); ++s) {
+      const float rendered = renderedOf(beside, seen[s]);
+      const auto isWithin = [&](const Near& near, float reach) {
+        return near.distance2 < reach * reach * rendered * rendered;
+      };
+      sheet.clear();
+      double area = 0.0;
+      bool smooth = true;
+      for (const Near& near : all) {
+        if (isWithin(near, kSmoothReach)) {
+          smooth = smooth && near.cosine >= kSmoothCosine &&
+                   near.off_plane <= kSmoothOffPlane * rendered;
+        }
+        if (near.cosine < kSameSheetCosine || near.off_plane > kSameSheetOffPlane * width ||
+            !isWithin(near, kReach)) {
+          continue;
+        }
+        sheet.push_back(near.surfel);
+        area += cloud.area_m2[near.surfel];
+      }
+      if (sheet.empty()) continue;
+      const RenderedKernel kernel(seen[s],
+                                  static_cast<float>(area / static_cast<double>(sheet.size())));
+      float sum = 0.0f;
+      for (const std::uint32_t j : sheet)
+        sum += kernel.at(cloud, added_m2, j, at[k].p_world, along_u, along_v);
+      angles.clear();
+      for (const Near& near : all) {
+        if (!smooth || isWithin(near, kBorderReach) || !isWithin(near, kReach)) continue;
+        const glm::vec3 d = cloud.position_m[near.surfel] - at[k].p_world;
+        angles.push_back(static_cast<float>(
+            std::atan2(double{glm::dot(d, along_v)}, double{glm::dot(d, along_u)})));
+      }
+      sums[s][k] = {sum, smooth && largestGap(angles) < kBorderGap};
     }
-    sums[k] = {sum, smooth && largestGap(angles) < kBorderGap};
   });
-  std::erase_if(sums, [](const KernelSum& sum) { return sum.sum < 0.0f; });
+  for (auto& each : sums) {
+    std::erase_if(each, [](const KernelSum& sum) { return sum.sum < 0.0f; });
+  }
   return sums;
 }
 

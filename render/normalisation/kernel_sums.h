@@ -27,8 +27,14 @@ struct SeenAs {
 /// @param probes    > 0; fewer come back where too many surfels coincide to be counted
 /// @param added_m2  the variance along an axis that merging added, for each surfel that is an LOD
 ///                  node; it makes blurred kernels softer (empty: none)
-std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
-                                  std::span<const float> added_m2 = {});
+/// @return          as each of `seen`
+std::vector<std::vector<KernelSum>> kernelSums(const SurfelCloud& cloud, std::size_t probes,
+                                               std::span<const SeenAs> seen,
+                                               std::span<const float> added_m2 = {});
+inline std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes,
+                                         const SeenAs& seen, std::span<const float> added_m2 = {}) {
+  return kernelSums(cloud, probes, std::span(&seen, 1), added_m2).front();
+}
 
 /// The sum of all kernels of the cloud at one place of a flat surface.
 /// @param spacing_m  spacing of the surfels there

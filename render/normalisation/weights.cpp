@@ -186,10 +186,23 @@ class Solver {
     const std::uint16_t* each = &of_neighbours_[i * row_];
     std::uint64_t bits = problem_.sheet[i];
     const std::span<const std::uint32_t> near = problem_.near.of(i);
-    float sum = 0.0f;
-    for (std::uint32_t n = 0; n < overlaps.neighbours; ++n, bits &= bits - 1) {
-      sum += weight_m2_[near[static_cast<std::size_t>(std::countr_zero(bits))]] * each[n];
-    }
+    const auto total = [&](const auto& nextPlace) {
+      std::uint32_t n = 0;
+      const auto next = [&] { return weight_m2_[near[nextPlace(n)]] * each[n]; };
+      std::array<float, 4> sums{};  // an addition waits for the one before it
+      for (; n + sums.size() <= overlaps.neighbours;) {
+        for (float& sum : sums) sum += next(), ++n;
+      }
+      for (; n < overlaps.neighbours; ++n) sums[0] += next();
+      return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    };
+    const bool first_ones = std::countr_one(bits) >= static_cast<int>(overlaps.neighbours);
+    const float sum =
+        first_ones ? total([](std::uint32_t n) { return n; }) : total([&](std::uint32_t) {
+          const auto place = std::countr_zero(bits);
+          bits &= bits - 1;
+          return static_cast<std::uint32_t>(place);
+        });
     return weight_m2_[i] * overlaps.own + overlaps.step * sum;
   }
 

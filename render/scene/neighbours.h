@@ -31,6 +31,10 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wan
 Neighbours findNeighbours(std::span<const glm::vec3> position_m,
                           std::span<const std::uint32_t> group, std::size_t wanted);
 
+/// The first `wanted` of each point's neighbours, or all of them.
+Neighbours nearestOf(const Neighbours& near, std::span<const glm::vec3> position_m,
+                     std::size_t wanted);
+
 /// Finds the points within each center's radius, at most `max_points` of them. Their order does not
 /// depend on the number of threads. All points finite.
 std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> position_m,

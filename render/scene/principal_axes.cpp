@@ -13,8 +13,9 @@ PrincipalAxes principalAxes(glm::dmat3 a) {
     for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
       if (a[p][q] == 0.0) continue;
       const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-      const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
-      const double c = 1.0 / std::hypot(t, 1.0), s = t * c;
+      const double t =
+          std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
+      const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
       const double app = a[p][p], aqq = a[q][q], apq = a[p][q];
       a[p][p] = app - t * apq;
       a[q][q] = aqq + t * apq;

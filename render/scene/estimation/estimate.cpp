@@ -290,9 +290,12 @@ SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& setting
 
 SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks) {
   const std::vector<std::uint32_t> group = groupsOf(points);
-  Neighbours near = findNeighbours(points.position_m, group, kNeighbours);
+  const bool thorough = settings.solve == KernelSolve::thorough;
+  Neighbours all =
+      findNeighbours(points.position_m, group, thorough ? kSolveNeighbours : kNeighbours);
+  Neighbours near = thorough ? nearestOf(all, points.position_m, kNeighbours) : std::move(all);
   if (stacks == Stacks::possible && anyStack(points.position_m, near)) {
-    near = {};
+    near = all = {};
     return surfelsOfStacks(std::move(points), settings);
   }
 
@@ -315,16 +318,18 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
     sigma[i] = std::max(
         sized ? kSigmaPerRadius * points.radius_m[i] : kSigmaPerSpacing * spacing[i], kMinSigma_m);
   }
-  if (settings.solve == KernelSolve::thorough) {
-    near = {};
-    near = findNeighbours(points.position_m, group, kSolveNeighbours);
+  const auto solve = [&](const Neighbours& with, const KernelEffort& effort) {
+    return solveKernels({points.position_m, points.normal, along.empty() ? points.normal : along,
+                         with, sheet, spacing, areas_known},
+                        effort, sigma);
+  };
+  if (settings.unsolved) settings.unsolved(assemble(PointCloud(points), sigma, solve({}, {})));
+  if (thorough) {
+    near = std::move(all);
     along = directionsOf(points, near);
     sheet = sameSheet(points, along, near);
   }
-  std::vector<float> weight =
-      solveKernels({points.position_m, points.normal, along.empty() ? points.normal : along, near,
-                    sheet, spacing, areas_known},
-                   effortOf(settings, areas_known), sigma);
+  std::vector<float> weight = solve(near, effortOf(settings, areas_known));
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
   cloud.oriented = oriented;

@@ -26,6 +26,8 @@ struct EstimateSettings {
   float lone_spacing_m = 0.01f;  ///< spacing of a point without neighbours
   KernelSolve solve = KernelSolve::quick;
   std::function<void(std::size_t done, std::size_t total)> progress = {};  ///< called if thorough
+  /// Called if thorough, with the surfels before they are solved; one for all points that coincide.
+  std::function<void(const SurfelCloud&)> unsolved = {};
 };
 
 /// Sigma of a surfel over the radius that a file gives. A disc that just closes the gaps of a

@@ -57,7 +57,7 @@ TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   EXPECT_GT(summary.normalisation[0].smooth.within_10, 0.95);
   std::size_t counted = 0;
   for (const std::size_t bin : summary.normalisation[0].whole.histogram) counted += bin;
-  EXPECT_EQ(counted, 20000u);  // one sum for each probe
+  EXPECT_EQ(counted, 10000u);  // one sum for each probe
 
   std::ifstream report(folder_ / "s.html");
   const std::string page{std::istreambuf_iterator<char>(report), {}};
