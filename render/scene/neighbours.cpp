@@ -267,21 +267,6 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m,
   return found;
 }
 
-Neighbours nearestOf(const Neighbours& near, std::span<const glm::vec3> position_m,
-                     std::size_t wanted) {
-  Neighbours nearest;
-  nearest.k = std::min(wanted, near.k);
-  if (nearest.k == 0) return nearest;
-  nearest.index.resize(position_m.size() * nearest.k);
-  nearest.reach_m.resize(position_m.size());
-  parallelFor(position_m.size(), [&](std::size_t i) {
-    const auto first = near.of(i).first(nearest.k);
-    std::ranges::copy(first, &nearest.index[i * nearest.k]);
-    nearest.reach_m[i] = glm::distance(position_m[i], position_m[first.back()]);
-  });
-  return nearest;
-}
-
 std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> position_m,
                                                    std::span<const glm::vec3> centers_m,
                                                    std::span<const float> radius_m,

@@ -31,10 +31,6 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wan
 Neighbours findNeighbours(std::span<const glm::vec3> position_m,
                           std::span<const std::uint32_t> group, std::size_t wanted);
 
-/// The first `wanted` of each point's neighbours, or all of them.
-Neighbours nearestOf(const Neighbours& near, std::span<const glm::vec3> position_m,
-                     std::size_t wanted);
-
 /// Finds the points within each center's radius, at most `max_points` of them. Their order does not
 /// depend on the number of threads. All points finite.
 std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> position_m,
@@ -47,14 +43,20 @@ std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> po
 /// than 2^32 points, all finite.
 std::vector<std::uint32_t> mortonOrder(std::span<const glm::vec3> position_m);
 
-/// Moves `values[order[i]]` to i. An empty vector stays empty.
+/// `values[order[i]]` at i. An empty vector stays empty.
+template <typename T>
+std::vector<T> picked(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  std::vector<T> result;
+  if (values.empty()) return result;
+  result.reserve(order.size());
+  for (const std::uint32_t i : order) result.push_back(values[i]);
+  return result;
+}
+
+/// Moves `values[order[i]]` to i.
 template <typename T>
 void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
-  if (values.empty()) return;
-  std::vector<T> sorted;
-  sorted.reserve(values.size());
-  for (const std::uint32_t i : order) sorted.push_back(values[i]);
-  values.swap(sorted);
+  values = picked(values, order);
 }
 
 }  // namespace foci

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
+#include <limits>
 #include <map>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -35,6 +37,7 @@ constexpr int kQuickIterations = 8, kMeshIterations = 40;
 // More make the sums no more even, of scans of a cube, a room and a rippled terrain. Fewer rounds
 // make those of coarse levels less even.
 constexpr int kPointRounds = 20, kPointIterations = 20;
+constexpr float kAround = 16.0f;      // spacings; weights hardly act farther
 constexpr double kMaxOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the smallest eigenvalue; any of them if several are smallest, the z axis
@@ -228,6 +231,99 @@ KernelEffort effortOf(const EstimateSettings& settings, bool areas_known) {
           .progress = settings.progress};
 }
 
+/// By point, the number of its part of space, of up to `most` points.
+std::vector<std::uint32_t> partsInSpace(const std::vector<glm::vec3>& position_m,
+                                        std::size_t most) {
+  std::vector<std::uint32_t> part_of(position_m.size()), order(position_m.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::uint32_t parts = 0;
+  const auto split = [&](const auto& self, std::span<std::uint32_t> some) -> void {
+    if (some.size() <= most) {
+      for (const std::uint32_t i : some) part_of[i] = parts;
+      ++parts;
+      return;
+    }
+    const glm::vec3 first = position_m[some.front()];
+    glm::vec3 low = first, high = first;
+    for (const std::uint32_t i : some) {
+      low = glm::min(low, position_m[i]);
+      high = glm::max(high, position_m[i]);
+    }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t half = some.size() / 2;
+    std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(half), some.end(),
+                     [&](std::uint32_t a, std::uint32_t b) {
+                       return std::tuple(position_m[a][axis], a) <
+                              std::tuple(position_m[b][axis], b);
+                     });
+    self(self, some.first(half));
+    self(self, some.subspan(half));
+  };
+  split(split, order);
+  return part_of;
+}
+
+/// Solves one part of space after the other, so that memory does not grow with the number of
+/// points. Points around a part are solved with it, and left.
+/// @return the weights
+std::vector<float> solveInParts(const PointCloud& points, const std::vector<std::uint32_t>& group,
+                                const std::vector<float>& spacing_m,
+                                const EstimateSettings& settings, std::vector<float>& sigma_m) {
+  const std::vector<glm::vec3>& position_m = points.position_m;
+  const std::vector<std::uint32_t> part_of = partsInSpace(position_m, settings.solved_at_once);
+  const std::size_t parts = 1 + *std::max_element(part_of.begin(), part_of.end());
+  std::vector<float> solved_m(points.size()), weight(points.size());
+  for (std::uint32_t part = 0; part < parts; ++part) {
+    std::vector<float> spacings_m;
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (part_of[i] != part) continue;
+      low = glm::min(low, position_m[i]);
+      high = glm::max(high, position_m[i]);
+      spacings_m.push_back(spacing_m[i]);
+    }
+    const float margin_m = kAround * quantile(spacings_m, 0.9);
+    std::vector<std::uint32_t> chosen;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      const glm::vec3& p = position_m[i];
+      if (glm::all(glm::greaterThanEqual(p, low - margin_m)) &&
+          glm::all(glm::lessThanEqual(p, high + margin_m))) {
+        chosen.push_back(i);
+      }
+    }
+    PointCloud some;
+    some.position_m = picked(position_m, chosen);
+    some.normal = picked(points.normal, chosen);
+    some.body = picked(points.body, chosen);
+    some.surface = picked(points.surface, chosen);
+    const Neighbours near =
+        findNeighbours(some.position_m, picked(group, chosen), kSolveNeighbours);
+    const std::vector<glm::vec3> along = directionsOf(some, near);
+    const std::vector<std::uint64_t> sheet = sameSheet(some, along, near);
+    const std::vector<float> spacing_of_some_m = picked(spacing_m, chosen);
+    std::vector<float> sigma_of_some_m = picked(sigma_m, chosen);
+    const bool areas_known = !group.empty();
+    KernelEffort effort = effortOf(settings, areas_known);
+    if (settings.progress) {
+      effort.progress = [&](std::size_t done, std::size_t total) {
+        settings.progress(part * total + done, parts * total);
+      };
+    }
+    const std::vector<float> weight_of_some =
+        solveKernels({some.position_m, some.normal, along.empty() ? some.normal : along, near,
+                      sheet, spacing_of_some_m, areas_known},
+                     effort, sigma_of_some_m);
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      if (part_of[chosen[k]] != part) continue;
+      solved_m[chosen[k]] = sigma_of_some_m[k];
+      weight[chosen[k]] = weight_of_some[k];
+    }
+  }
+  sigma_m = std::move(solved_m);
+  return weight;
+}
+
 enum class Stacks { possible, resolved };
 
 /// Whether so many points coincide somewhere that the neighbours' distance is no spacing.
@@ -290,12 +386,9 @@ SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& setting
 
 SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks) {
   const std::vector<std::uint32_t> group = groupsOf(points);
-  const bool thorough = settings.solve == KernelSolve::thorough;
-  Neighbours all =
-      findNeighbours(points.position_m, group, thorough ? kSolveNeighbours : kNeighbours);
-  Neighbours near = thorough ? nearestOf(all, points.position_m, kNeighbours) : std::move(all);
+  Neighbours near = findNeighbours(points.position_m, group, kNeighbours);
   if (stacks == Stacks::possible && anyStack(points.position_m, near)) {
-    near = all = {};
+    near = {};
     return surfelsOfStacks(std::move(points), settings);
   }
 
@@ -318,18 +411,22 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
     sigma[i] = std::max(
         sized ? kSigmaPerRadius * points.radius_m[i] : kSigmaPerSpacing * spacing[i], kMinSigma_m);
   }
-  const auto solve = [&](const Neighbours& with, const KernelEffort& effort) {
-    return solveKernels({points.position_m, points.normal, along.empty() ? points.normal : along,
-                         with, sheet, spacing, areas_known},
-                        effort, sigma);
-  };
-  if (settings.unsolved) settings.unsolved(assemble(PointCloud(points), sigma, solve({}, {})));
-  if (thorough) {
-    near = std::move(all);
-    along = directionsOf(points, near);
-    sheet = sameSheet(points, along, near);
+  std::vector<float> weight;
+  if (settings.solve == KernelSolve::thorough) {
+    near = {};
+    along = {};
+    sheet = {};
+    if (settings.unsolved) {
+      std::vector<float> initial = solveKernels(
+          {points.position_m, points.normal, points.normal, near, sheet, spacing}, {}, sigma);
+      settings.unsolved(assemble(PointCloud(points), sigma, std::move(initial)));
+    }
+    weight = solveInParts(points, group, spacing, settings, sigma);
+  } else {
+    weight = solveKernels({points.position_m, points.normal, along.empty() ? points.normal : along,
+                           near, sheet, spacing, areas_known},
+                          effortOf(settings, areas_known), sigma);
   }
-  std::vector<float> weight = solve(near, effortOf(settings, areas_known));
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
   cloud.oriented = oriented;

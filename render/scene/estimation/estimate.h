@@ -26,6 +26,8 @@ struct EstimateSettings {
   float lone_spacing_m = 0.01f;  ///< spacing of a point without neighbours
   KernelSolve solve = KernelSolve::quick;
   std::function<void(std::size_t done, std::size_t total)> progress = {};  ///< called if thorough
+  /// Points in one part of space, > 0: their neighbours take half a kilobyte each.
+  std::size_t solved_at_once = std::size_t{1} << 19;
   /// Called if thorough, with the surfels before they are solved; one for all points that coincide.
   std::function<void(const SurfelCloud&)> unsolved = {};
 };

@@ -83,20 +83,47 @@ double shareOff(int side, float margin, double tolerance, const SumAt& sum) {
 
 TEST(SurfelsFromPoints, SumToOneWithinTwoPercentWhereThorough) {
   const int side = 90;
-  std::size_t passes = 0;
-  const SurfelCloud cloud = surfelsFromPoints(
-      jitteredPlane(side),
-      {.solve = KernelSolve::thorough, .progress = [&](std::size_t done, std::size_t total) {
-         EXPECT_LE(done, total);
-         passes = done == total ? passes + 1 : passes;
-       }});
-  EXPECT_EQ(passes, 1u);
-  const auto off = [&](float pixel_m, double tolerance) {
-    return shareOff(side, 9.0f, tolerance,
-                    [&](const glm::vec3& p) { return sumAt(cloud, p, pixel_m); });
+  for (const std::size_t at_once : {10'000, 2'500}) {
+    std::size_t passes = 0, before = 0;
+    const SurfelCloud cloud =
+        surfelsFromPoints(jitteredPlane(side), {.solve = KernelSolve::thorough,
+                                                .progress =
+                                                    [&](std::size_t done, std::size_t total) {
+                                                      EXPECT_EQ(done, ++before);
+                                                      passes = done == total ? passes + 1 : passes;
+                                                    },
+                                                .solved_at_once = at_once});
+    EXPECT_EQ(passes, 1u);
+    const auto off = [&](float pixel_m, double tolerance) {
+      return shareOff(side, 9.0f, tolerance,
+                      [&](const glm::vec3& p) { return sumAt(cloud, p, pixel_m); });
+    };
+    EXPECT_LE(off(1.0f, 0.02), 0.01) << at_once;  // as on the paper's plane
+    EXPECT_LE(off(0.5f, 0.05), 0.01) << at_once;  // seen from half as far
+  }
+}
+
+TEST(SurfelsFromPoints, AreTheSameWhereSolvedInParts) {
+  const auto solved = [](std::size_t at_once) {
+    return surfelsFromPoints(jitteredPlane(90),
+                             {.solve = KernelSolve::thorough, .solved_at_once = at_once});
   };
-  EXPECT_LE(off(1.0f, 0.02), 0.01);  // as on the paper's plane
-  EXPECT_LE(off(0.5f, 0.05), 0.01);  // seen from half as far
+  const SurfelCloud whole = solved(10'000), parts = solved(2'500);
+  ASSERT_EQ(parts.position_m, whole.position_m);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_NEAR(parts.area_m2[i], whole.area_m2[i], 0.01f) << i;
+    EXPECT_NEAR(glm::length(parts.axis_u_m[i]), glm::length(whole.axis_u_m[i]), 0.005f) << i;
+  }
+}
+
+TEST(SurfelsFromPoints, ShowTheUnsolvedOnesWhereThorough) {
+  const SurfelCloud none = surfelsFromPoints(jitteredPlane(20), {.solve = KernelSolve::none});
+  std::vector<float> area_m2;
+  surfelsFromPoints(jitteredPlane(20),
+                    {.solve = KernelSolve::thorough, .unsolved = [&](const SurfelCloud& cloud) {
+                       area_m2.assign(cloud.area_m2.begin(), cloud.area_m2.end());
+                     }});
+  EXPECT_EQ(area_m2, std::vector<float>(none.area_m2.begin(), none.area_m2.end()));
 }
 
 /// Seen from near, no prefilter evens the sums out. `foci prepare` once solved for a pixel of 0.63
@@ -230,6 +257,21 @@ TEST(KernelSums, FollowTheWeights) {
   const auto sums = kernelSums(plane, 1000, {1.0f});
   EXPECT_EQ(shareWithin(sums, 0.1f, true), 0.0);
   EXPECT_GT(shareWithin(sums, 0.51f, true), 0.97);
+}
+
+TEST(KernelSums, AreTheSameSeenInOneWayOrInSeveral) {
+  const SurfelCloud cloud = surfelsFromPoints(jitteredPlane(40), {.solve = KernelSolve::none});
+  const SeenAs seen[] = {{1.0f}, {0.0f, 3.0f}, {0.0f}};
+  const auto all = kernelSums(cloud, 1000, seen);
+  ASSERT_EQ(all.size(), 3u);
+  for (std::size_t s = 0; s < 3; ++s) {
+    const auto alone = kernelSums(cloud, 1000, seen[s]);
+    ASSERT_EQ(all[s].size(), alone.size());
+    for (std::size_t k = 0; k < alone.size(); ++k) {
+      EXPECT_NEAR(all[s][k].sum, alone[k].sum, 1e-5f);
+      EXPECT_EQ(all[s][k].smooth, alone[k].smooth);
+    }
+  }
 }
 
 TEST(KernelSums, AgreeWithAllKernelsSummed) {
