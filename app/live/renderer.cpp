@@ -586,13 +586,13 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   const RenderRequest request = session_->requestOf(last_method_, frame->record);
   const bool again = refine(request, frame->record);
   // On a GPU the frame would wait for the refiner, which may hold the device.
-  const bool goes_first = refiner_ && !session_->renderer().gpu();
-  if (goes_first) refiner_->gate().close();
+  std::unique_lock<Gate> first;
+  if (refiner_ && !session_->renderer().gpu()) first = std::unique_lock(refiner_->gate());
   RenderedFrame& rendered = session_->renderKept(request, frame->record, again);
   if (!shows_textures_) session_->renderer().read(rendered);
   alike_ = request == last_request_ && frame->record.method == last_.method ? alike_ + 1 : 0;
   fill(*frame, rendered);
-  if (goes_first) refiner_->gate().open();
+  if (first) first.unlock();
   last_request_ = request;
   last_ = frame->record;
   paused_frames_ = time_s > now_s ? paused_frames_ + 1 : 0;
