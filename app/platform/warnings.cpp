@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstdio>
 
-#include "app/platform/listener.h"
 #include "base/text.h"
 
 namespace foci {

@@ -8,6 +8,8 @@ namespace foci {
 
 /// Prints "foci: TEXT" as one line on standard error. Control characters become escapes.
 void say(const std::string& text);
+/// Another function hears it instead.
+void sayTo(void (*listener)(const std::string& text));
 
 /// The warnings of a run: what makes its results other than the user may expect. Each is printed
 /// when it comes, and stands at the top of the run's report and in its manifest.
