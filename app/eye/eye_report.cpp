@@ -30,9 +30,7 @@ Pupil pupilWithRefraction(const ObserverSettings& observer, bool left, double fo
 }
 
 double windowOf_rad(const EyeOptics& eye) {
-  const PupilWavefront wavefront(
-      eye.pupil.wavefront ? eye.pupil.wavefront
-                          : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
+  const PupilWavefront wavefront = wavefrontIn(eye.pupil);
   double reach_rad = 2.0 * eye.wavelength_m / eye.pupil.diameter_m;
   for (int i = 0; i < 48; ++i) {
     const double angle_rad = 2.0 * std::numbers::pi * i / 48.0;

@@ -12,7 +12,6 @@
 
 #include "base/parallel.h"
 #include "render/optics/colours.h"
-#include "render/optics/wavefront.h"
 
 namespace foci {
 
@@ -139,9 +138,7 @@ PupilField pupilField(const EyeOptics& eye, double step_rad, int n) {
   assert(radius_m > 0.0 && step_rad <= eye.wavelength_m / (2.0 * eye.pupil.diameter_m));
   const double step_m = eye.wavelength_m / (n * step_rad);
   const double per_m = 2.0 * std::numbers::pi / eye.wavelength_m;
-  const PupilWavefront wavefront(
-      eye.pupil.wavefront ? eye.pupil.wavefront
-                          : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
+  const PupilWavefront wavefront = wavefrontIn(eye.pupil);
   const int up = std::min(static_cast<int>(radius_m / step_m), n / 2 - 1);
   const int across = std::min(static_cast<int>(eye.pupil_aspect * radius_m / step_m), n / 2 - 1);
   PupilField pupil{.field = cv::Mat::zeros(2 * up + 1, 2 * across + 1, CV_64FC2)};
@@ -191,9 +188,7 @@ double fieldOf_rad(const EyeOptics& eye) {
   const double radius_m = 0.5 * eye.pupil.diameter_m;
   double slope_rad = 0.0;
   if (eye.pupil.wavefront || eye.defocus_D != 0.0) {
-    const PupilWavefront wavefront(
-        eye.pupil.wavefront ? eye.pupil.wavefront
-                            : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
+    const PupilWavefront wavefront = wavefrontIn(eye.pupil);
     for (int i = 0; i < 64; ++i) {
       const double angle_rad = 2.0 * std::numbers::pi * i / 64.0;
       for (const double r : {0.5, 0.75, 1.0}) {
@@ -318,6 +313,11 @@ std::vector<double> mtfOf(std::vector<Transfer> transfers, const std::vector<dou
 }
 
 }  // namespace
+
+PupilWavefront wavefrontIn(const Pupil& pupil) {
+  return PupilWavefront(pupil.wavefront ? pupil.wavefront
+                                        : Wavefront{.zernike_um = {}, .pupil_m = pupil.diameter_m});
+}
 
 Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {
   assert(sample_rad > 0.0 && size > 0);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/optics/pupil.h"
+#include "render/optics/wavefront.h"
 
 namespace foci {
 
@@ -21,6 +22,9 @@ struct EyeOptics {
   double wavelength_m = 555e-9;
   double pupil_aspect = 1.0;  ///< width over height of an elliptical pupil as high as `pupil`
 };
+
+/// The wavefront in a pupil; a plane one if it has none.
+PupilWavefront wavefrontIn(const Pupil& pupil);
 
 /// Light by visual angle. Rows run downwards and columns to the right, as the observer sees them.
 /// The direction of the point lies in the middle of the sample (size / 2, size / 2).
