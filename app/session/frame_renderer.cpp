@@ -52,8 +52,6 @@ void compose(RenderedFrame& rendered) {
 
 RenderedFrame cloneOnGpu(const RenderedFrame& rendered) {
   RenderedFrame clone{.request = rendered.request,
-                      .frame = {},
-                      .layers = {},
                       .on_gpu = true,
                       .method = rendered.method,
                       .stats = rendered.stats};
