@@ -13,6 +13,7 @@
 #include "app/record/tables.h"
 #include "app/study/study_words.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
@@ -141,10 +142,7 @@ EventLabels judgedLabels(const std::string& file, const GazeTrace& trace,
                          const EventSettings& settings, bool online) {
   EventLabels labels = labelEvents(trace, *trace.screen, settings, online);
   if (labels.any_judged) return labels;
-  std::string reasons;
-  for (const std::string& warning : labels.warnings) {
-    reasons += (reasons.empty() ? "" : "; ") + warning;
-  }
+  const std::string reasons = listed(labels.warnings, "; ");
   throw InputError(file,
                    "no sample can be judged: " + (reasons.empty() ? "all gaze is lost" : reasons));
 }
