@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "base/file.h"
 #include "base/image_codec.h"
@@ -137,15 +138,18 @@ Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std:
   return grid;
 }
 
-std::vector<std::uint8_t> jpegOf(const Image& image) {
-  return encodeJpeg(image.size_px.x, image.size_px.y, image.rgb.data(), kJpegQuality);
+std::string jpegOf(const Image& image) {
+  const auto bytes = encodeJpeg(image.size_px.x, image.size_px.y, image.rgb.data(), kJpegQuality);
+  return {bytes.begin(), bytes.end()};
 }
 
-std::vector<std::uint8_t> pngOf(const Image& image) {
-  return encodePng(image.size_px.x, image.size_px.y, 3, image.rgb.data());
+std::string pngOf(const Image& image) {
+  const auto bytes = encodePng(image.size_px.x, image.size_px.y, 3, image.rgb.data());
+  return {bytes.begin(), bytes.end()};
 }
 
-Image imageOfPng(const std::vector<std::uint8_t>& bytes, const glm::ivec2& size_px) {
+Image imageOfPng(const std::string& png, const glm::ivec2& size_px) {
+  const std::span bytes(reinterpret_cast<const unsigned char*>(png.data()), png.size());
   const auto stated = statedImageSize(bytes);
   if (!stated || stated->columns != static_cast<std::uint64_t>(size_px.x) ||
       stated->rows != static_cast<std::uint64_t>(size_px.y)) {

@@ -42,13 +42,13 @@ Image differenceOf(const Frame& a, const Frame& b, float gain);
 Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std::string>& titles);
 
 /// The bytes of a JPEG file.
-std::vector<std::uint8_t> jpegOf(const Image& image);
+std::string jpegOf(const Image& image);
 
 /// The bytes of a PNG file.
-std::vector<std::uint8_t> pngOf(const Image& image);
+std::string pngOf(const Image& image);
 
 /// The image of a PNG file's bytes; an empty one unless they state this size. A larger one is not
 /// unpacked.
-Image imageOfPng(const std::vector<std::uint8_t>& bytes, const glm::ivec2& size_px);
+Image imageOfPng(const std::string& bytes, const glm::ivec2& size_px);
 
 }  // namespace foci
