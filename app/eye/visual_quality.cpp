@@ -185,19 +185,8 @@ cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = n
 
 /// Field that holds the light: geometric blur and the wings of diffraction.
 double fieldOf_rad(const EyeOptics& eye) {
-  const double radius_m = 0.5 * eye.pupil.diameter_m;
-  double slope_rad = 0.0;
-  if (eye.pupil.wavefront || eye.defocus_D != 0.0) {
-    const PupilWavefront wavefront = wavefrontIn(eye.pupil);
-    for (int i = 0; i < 64; ++i) {
-      const double angle_rad = 2.0 * std::numbers::pi * i / 64.0;
-      for (const double r : {0.5, 0.75, 1.0}) {
-        const glm::dvec2 p = r * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad));
-        slope_rad =
-            std::max(slope_rad, glm::length(wavefront.at(p).slope + eye.defocus_D * radius_m * p));
-      }
-    }
-  }
+  const bool sharp = !eye.pupil.wavefront && eye.defocus_D == 0.0;
+  const double slope_rad = sharp ? 0.0 : steepest_rad(eye, 64, {0.5, 0.75, 1.0});
   return 4.0 * slope_rad + kRings * eye.wavelength_m / eye.pupil.diameter_m;
 }
 
@@ -313,6 +302,20 @@ std::vector<double> mtfOf(std::vector<Transfer> transfers, const std::vector<dou
 }
 
 }  // namespace
+
+double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<double> shares) {
+  const PupilWavefront wavefront = wavefrontIn(eye.pupil);
+  double steepest = 0.0;
+  for (int i = 0; i < angles; ++i) {
+    const double angle_rad = 2.0 * std::numbers::pi * i / angles;
+    for (const double r : shares) {
+      const glm::dvec2 p = r * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad));
+      steepest = std::max(steepest, glm::length(wavefront.at(p).slope +
+                                                0.5 * eye.defocus_D * eye.pupil.diameter_m * p));
+    }
+  }
+  return steepest;
+}
 
 PupilWavefront wavefrontIn(const Pupil& pupil) {
   return PupilWavefront(pupil.wavefront ? pupil.wavefront

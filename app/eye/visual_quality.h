@@ -4,6 +4,7 @@
 // tests hold splatted images against.
 #pragma once
 
+#include <initializer_list>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -25,6 +26,10 @@ struct EyeOptics {
 
 /// The wavefront in a pupil; a plane one if it has none.
 PupilWavefront wavefrontIn(const Pupil& pupil);
+
+/// The largest angle between the rays of a point of light, at these shares of the pupil's radius
+/// and as many angles around it.
+double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<double> shares);
 
 /// Light by visual angle. Rows run downwards and columns to the right, as the observer sees them.
 /// The direction of the point lies in the middle of the sample (size / 2, size / 2).
