@@ -26,17 +26,12 @@ void put(Image& image, int x, int y, const glm::dvec3& rgb) {
   }
 }
 
-Image blank(int size_px) {
-  return {.size_px = {size_px, size_px},
-          .rgb = std::vector<std::uint8_t>(3 * static_cast<std::size_t>(size_px) * size_px, 255)};
-}
-
 /// The PSF in grey, brightest in white, with a bar of a round number of arcmin. Brightness is the
 /// light to the power 1/2.2, so that faint light shows.
 std::string psfPng(const Psf& psf, double* bar_arcmin) {
   const int size = psf.size;
   const double peak = std::ranges::max(psf.light);
-  Image image = blank(kZoom * size);
+  Image image = filledImage(glm::ivec2(kZoom * size), 255);
   for (int y = 0; y < kZoom * size; ++y) {
     for (int x = 0; x < kZoom * size; ++x) {
       const double light = psf.at(x / kZoom, y / kZoom) / peak;
@@ -72,7 +67,7 @@ std::string wavefrontPng(const Pupil& pupil, double* most_um) {
       if (std::isfinite(um)) *most_um = std::max(*most_um, std::abs(um));
     }
   }
-  Image image = blank(kWavefront_px);
+  Image image = filledImage(glm::ivec2(kWavefront_px), 255);
   for (int y = 0; y < kWavefront_px; ++y) {
     for (int x = 0; x < kWavefront_px; ++x) {
       const double um = error_um(x, y);

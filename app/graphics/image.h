@@ -16,6 +16,9 @@ namespace foci {
 /// @param gamma  of the display; absent: sRGB
 Image imageOf(const Frame& frame, std::optional<double> gamma = std::nullopt);
 
+/// All bytes are `value`.
+Image filledImage(const glm::ivec2& size_px, std::uint8_t value);
+
 /// Draws a ring around a point, visible on any ground. A point outside the image gets no ring.
 /// @param broken  draws a broken ring: the observer does not fixate now
 void drawMarker(Image& image, const glm::dvec2& point_px, bool broken);
