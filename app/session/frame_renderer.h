@@ -126,6 +126,8 @@ class FrameRenderer {
   void renderViews(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
   template <class Action>
   void onAnyDevice(const Action& action);
+  template <class Action>
+  void onLayers(RenderedFrame& rendered, const Action& action);
   void renderAgain(const GpuError& error, RenderedFrame& rendered);
 
   const SurfelCloud* cloud_;

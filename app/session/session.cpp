@@ -88,7 +88,7 @@ GazeFollower Session::newFollower() {
           },
           {.events = settings_.events,
            .accommodation = accommodationOf(settings_),
-           .cone_half_angle_deg = focus.cone_half_angle_deg,
+           .cone_half_angle_deg = focus.cone_deg,
            .vergence = focus.vergence,
            .ipd_m = settings_.observer.ipd_mm / 1000.0}};
 }
@@ -194,7 +194,7 @@ std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& 
 /// To the surface that a point of the screen shows.
 std::optional<double> Session::distanceUnder_m(double time_s, const glm::dvec2& point_px) const {
   return surfaceDistance(time_s, lineOfSight(settings_.screen, point_px),
-                         glm::radians(settings_.focus.cone_half_angle_deg));
+                         glm::radians(settings_.focus.cone_deg));
 }
 
 /// Where the session's screen shows at `now_s` what gaze met at `then_s`. A head that turns in
