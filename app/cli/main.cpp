@@ -16,7 +16,6 @@
 #include "app/cli/commands.h"
 #include "app/cli/completions.h"
 #include "app/platform/interrupt.h"
-#include "app/platform/quiet_libraries.h"
 #include "app/platform/shell.h"
 #include "app/platform/version.h"
 #include "app/platform/warnings.h"
