@@ -125,10 +125,11 @@ void LiveRecord::writeStudy(double fps) const {
                 studyToml(study));
 }
 
-void LiveRecord::post(std::function<void()> task) {
+void LiveRecord::post(std::function<void()> task, std::size_t frames) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_ || failure_) return;
+    frames_waiting_ += frames;
     tasks_.push_back(std::move(task));
   }
   changed_.notify_all();
@@ -184,13 +185,7 @@ void LiveRecord::setReception(const GazeReception& reception) {
 }
 
 void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (closed_ || failure_) return;
-    ++frames_waiting_;
-    tasks_.push_back([this, frame = std::move(frame)] { write(*frame); });
-  }
-  changed_.notify_all();
+  post([this, frame = std::move(frame)] { write(*frame); }, 1);
 }
 
 void LiveRecord::close() {
@@ -304,9 +299,7 @@ void LiveRecord::finish() {
                       .gaze = {.format = "no gaze",
                                .rate_Hz = study.record.rate_Hz.value_or(0.0),
                                .samples = gaze_samples_},
-                      .landings = &landings_,
-                      .inputs = {},
-                      .frames_sha256 = {}};
+                      .landings = &landings_};
   if (gaze_points_ > 0) {
     GazeTrace trace = loadGaze(study, warnings_);
     if (study.record.head) {

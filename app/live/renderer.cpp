@@ -70,12 +70,7 @@ LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& 
       threads_(threads),
       ready_(std::move(ready)),
       head_(std::move(head)),
-      state_{.study = study,
-             .notice = {},
-             .last = {},
-             .record = nullptr,
-             .scene_m = 0.0,
-             .in_view = true},
+      state_{.study = study},
       thread_([this, scene = std::move(scene),
                gpu = std::move(gpu)](const std::stop_token& stop) mutable {
         run(stop, std::move(scene), std::move(gpu));
