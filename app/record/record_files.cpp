@@ -169,8 +169,7 @@ std::vector<TraceMarker> readEventMarkers(const std::filesystem::path& file) {
     markers.push_back({timeIn(lines, std::string(line.substr(0, tab)), -1e12),
                        std::string(line.substr(tab + 1))});
   }
-  std::stable_sort(markers.begin(), markers.end(),
-                   [](const TraceMarker& a, const TraceMarker& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(markers, {}, &TraceMarker::time_s);
   return markers;
 }
 
