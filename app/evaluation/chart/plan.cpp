@@ -77,11 +77,12 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
 std::vector<EvaluatedMethod> ofGaussians(const std::vector<EvaluatedMethod>& asked, bool variants) {
   std::vector<EvaluatedMethod> able;
   for (const EvaluatedMethod& method : asked) {
-    const MethodInfo& info = methodInfo(method.spec());
-    if (!info.gaussians) continue;
+    const auto info = std::ranges::find(methods(), method.name.substr(0, method.name.find(':')),
+                                        &MethodInfo::name);
+    if (info == methods().end() || !info->gaussians) continue;
     able.push_back(method);
     if (!variants) continue;
-    for (const std::string_view variant : info.variants) {
+    for (const std::string_view variant : info->variants) {
       able.push_back({method.name + ":" + std::string(variant), std::nullopt});
     }
   }
