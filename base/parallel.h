@@ -2,7 +2,6 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <mutex>
 
@@ -35,23 +34,13 @@ void parallelFor(std::size_t n, const Body& body) {
       &body);
 }
 
-/// Holds up the work of a thread for the sake of more urgent work.
-class Gate {
- public:
-  static constexpr std::chrono::milliseconds kLongestWait{20};
-  void close();
-  void open();
-  /// Waits until it is open; not forever, so that nobody can wait for each other.
-  void pass();
+/// Held by a thread while its work is urgent.
+using Gate = std::timed_mutex;
+inline constexpr std::chrono::milliseconds kMaxGateWait{20};
 
- private:
-  std::mutex mutex_;
-  std::condition_variable opened_;
-  bool closed_ = false;
-};
-
-/// From now on, the calling thread passes the gate before each range that it works on. Threads that
-/// help it do not: TBB takes them away by the arena's priority.
+/// From now on, the calling thread waits before each range that it works on while another thread
+/// holds the gate: for kMaxGateWait at most, so that they cannot wait for each other. Threads that
+/// help it do not wait: TBB takes them away by the arena's priority.
 /// @param gate  outlives the thread
 void passBeforeRanges(Gate* gate);
 

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "app/platform/listener.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "app/record/tables.h"

@@ -14,8 +14,6 @@
 #include "app/evaluation/chart/import.h"
 #include "app/evaluation/chart/measure.h"
 #include "app/evaluation/chart/motion.h"
-#include "app/evaluation/chart/motion_page.h"
-#include "app/evaluation/chart/page.h"
 #include "app/evaluation/chart/panel.h"
 #include "app/evaluation/growth/growth.h"
 #include "app/evaluation/growth/page.h"
@@ -78,16 +76,6 @@ nlohmann::ordered_json pointJson(const GrowthCurve& curve) {
   return json;
 }
 
-/// The rows of JSON: curves or points.
-template <class Result>
-const auto& rowsOf(const Result& result) {
-  if constexpr (std::is_same_v<Result, GrowthResult>) {
-    return result.curves;
-  } else {
-    return result.points;
-  }
-}
-
 nlohmann::ordered_json pointJson(const MotionPoint& point) {
   return {{"scene", point.scene},
           {"path", point.path},
@@ -98,122 +86,105 @@ nlohmann::ordered_json pointJson(const MotionPoint& point) {
           {"ms_median", point.ms_median}};
 }
 
-template <class Result>
-std::string chartJson(const std::filesystem::path& out, double seconds, const Result& result) {
-  auto points = nlohmann::ordered_json::array();
-  for (const auto& row : rowsOf(result)) points.push_back(pointJson(row));
-  return jsonText({{"out", out.string()},
-                   {"seconds", seconds},
-                   {"computed", result.computed},
-                   {"kept", result.kept},
-                   {std::is_same_v<Result, GrowthResult> ? "curves" : "points", points}});
-}
-
 /// Reports the steps of a run.
 std::function<void(std::size_t)> progressOf(std::size_t steps) {
   return [progress = std::make_shared<Progress>("charting", "steps", steps),
           done = std::size_t{0}](std::size_t more) mutable { progress->advance(done += more); };
 }
 
-/// @return why there is no image of all panels; empty: there is one
-std::string writeOverview(const std::string& name, const Drawing& panels, OutputFolder& output) {
-  const GnuplotChart png = pngOf(panels);
-  if (png.image) {
-    output.write(name, *png.image);
-    return "";
-  }
-  std::string notice = "No new " + name + ": " + png.problem;
-  say(notice);
-  return notice;
-}
-
+using Paths = std::vector<std::filesystem::path>;
 using Imported = std::vector<ImportedPoint>;
 
-/// Measures and writes the table, the page and the image of all panels.
-ChartResult chart(const ChartPlan& plan, const Imported& imported, const std::filesystem::path& out,
-                  const OutputGuard& guard) {
-  OutputFolder output(out, guard);
-  ChartResult result = measureChart(plan, out, guard, progressOf(stepsOf(plan)));
-  writeImages(imported, output);
-  for (const ImportedPoint& one : imported) result.points.push_back(one.point);
-  markFrontiers(result.points);
-  output.write("chart.csv", csvOf(result.points));
+/// The folder of a chart.
+struct ChartOutput {
+  std::string name;
+  std::filesystem::path out;
+  OutputGuard guard;
+  OutputFolder folder{out, guard};
+
+  /// @return why there is no image of all panels; empty: there is one
+  std::string writeOverview(const Drawing& panels) {
+    const GnuplotChart png = pngOf(panels);
+    if (png.image) folder.write(name + ".png", *png.image);
+    if (png.image) return "";
+    std::string notice = "No new " + name + ".png: " + png.problem;
+    say(notice);
+    return notice;
+  }
+  void write(const std::string& csv, const std::string& page) {
+    folder.write(name + ".csv", csv);
+    folder.write(name + ".html", page);
+    folder.commit();
+  }
+};
+
+// Each measures and writes the table, the page and the image of all panels.
+
+Measured<ChartPoint> chart(const ChartPlan& plan, const Imported& imported, ChartOutput& to) {
+  auto measured = measureChart(plan, to.out, to.guard, progressOf(stepsOf(plan)));
+  writeImages(imported, to.folder);
+  for (const ImportedPoint& one : imported) measured.rows.push_back(one.point);
+  markFrontiers(measured.rows);
   const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
-  const std::string notice = writeOverview(
-      "chart.png", overviewOf(plan, result.points, blur_px, describeMachine()), output);
-  if (!notice.empty()) result.warnings.push_back(notice);
-  output.write("chart.html", chartPage(plan, result.points, result.warnings));
-  output.commit();
-  return result;
+  const std::string notice = to.writeOverview(overviewOf(plan, measured.rows, blur_px));
+  if (!notice.empty()) measured.warnings.push_back(notice);
+  to.write(csvOf(measured.rows), chartPage(plan, measured));
+  return measured;
 }
 
-StabilityResult chart(const StabilityPlan& plan, const Imported& /*none*/,
-                      const std::filesystem::path& out, const OutputGuard& guard) {
-  OutputFolder output(out, guard);
-  StabilityResult result = measureStability(plan, out, guard, progressOf(stepsOf(plan)));
-  output.write("stability.csv", csvOf(plan, result.points));
-  const std::string notice =
-      writeOverview("stability.png", stabilityOverview(plan, result.points), output);
-  output.write("stability.html", stabilityPage(plan, result.points, notice));
-  output.commit();
-  return result;
+Measured<StabilityPoint> chart(const StabilityPlan& plan, ChartOutput& to) {
+  auto measured = measureStability(plan, to.out, to.guard, progressOf(stepsOf(plan)));
+  const std::string notice = to.writeOverview(stabilityOverview(plan, measured.rows));
+  to.write(csvOf(plan, measured.rows), stabilityPage(plan, measured.rows, notice));
+  return measured;
 }
 
-/// No cells: a run takes minutes.
-std::vector<std::filesystem::path> measuredFiles(const GrowthPlan& /*none*/,
-                                                 const std::filesystem::path& /*none*/) {
-  return {};
+Measured<GrowthCurve> chart(const GrowthPlan& plan, ChartOutput& to) {
+  auto measured = measureGrowth(plan, progressOf(stepsOf(plan)));
+  const std::string notice = to.writeOverview(growthOverview(measured.rows));
+  to.write(csvOf(measured.rows), growthPage(plan.quick, measured.rows, notice));
+  return measured;
 }
 
-GrowthResult chart(const GrowthPlan& plan, const Imported& /*none*/,
-                   const std::filesystem::path& out, const OutputGuard& guard) {
-  OutputFolder output(out, guard);
-  GrowthResult result = measureGrowth(plan, progressOf(stepsOf(plan)));
-  output.write("growth.csv", csvOf(result.curves));
-  const std::string notice = writeOverview("growth.png", growthOverview(result.curves), output);
-  output.write("growth.html", growthPage(plan.quick, result.curves, notice));
-  output.commit();
-  return result;
+Measured<MotionPoint> chart(const MotionPlan& plan, ChartOutput& to) {
+  auto measured = measureMotion(plan, to.out, to.guard, progressOf(stepsOf(plan)));
+  to.write(csvOf(measured.rows), motionPage(plan, measured));
+  return measured;
 }
 
-MotionResult chart(const MotionPlan& plan, const Imported& /*none*/,
-                   const std::filesystem::path& out, const OutputGuard& guard) {
-  OutputFolder output(out, guard);
-  MotionResult result = measureMotion(plan, out, guard, progressOf(stepsOf(plan)));
-  output.write("motion.csv", csvOf(result.points));
-  output.write("motion.html", motionPage(plan, result.points, result.warnings));
-  output.commit();
-  return result;
-}
-
-template <class Plan>
-void chartAndReport(const ChartOptions& options, const Plan& plan, const std::string& name,
-                    const Imported& imported = {}) {
+/// @param outputs  besides table, page and image of all panels
+/// @param inputs   besides the scan
+/// @param measure  into a `ChartOutput`
+template <class Measure>
+void chartAndReport(const ChartOptions& options, const std::string& name, Paths outputs,
+                    Paths inputs, const Measure& measure) {
   const auto start = std::chrono::steady_clock::now();
   const std::filesystem::path out = options.out;
-  std::vector<std::filesystem::path> outputs = measuredFiles(plan, out);
   for (const char* extension : {".csv", ".html"}) outputs.push_back(out / (name + extension));
-  if (!std::is_same_v<Plan, MotionPlan>) outputs.push_back(out / (name + ".png"));
-  for (const auto& file : importedFiles(imported, out)) outputs.push_back(file);
-  auto inputs = scanFiles(options.scan);
-  for (const ImportedPoint& one : imported) {
-    inputs.insert(inputs.end(), one.read.begin(), one.read.end());
-  }
-  const auto result = chart(plan, imported, out, OutputGuard(outputs, inputs, options.overwrite));
+  if (name != "motion") outputs.push_back(out / (name + ".png"));
+  for (const auto& file : scanFiles(options.scan)) inputs.push_back(file);
+  ChartOutput to{name, out, OutputGuard(outputs, inputs, options.overwrite)};
+  const auto measured = measure(to);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json) {
-    std::puts(chartJson(out, seconds, result).c_str());
-  } else {
-    if constexpr (std::is_same_v<Plan, GrowthPlan>) {
-      for (const GrowthCurve& curve : result.curves) {
-        std::printf("%s: exponent %s\n", nameOf(curve).c_str(),
-                    growthText(curve.time, 1.0).c_str());
-      }
-    }
-    std::printf("%zu cells measured, %zu already complete; %.0f s; page: %s\n", result.computed,
-                result.kept, seconds, visible((out / (name + ".html")).string()).c_str());
+    auto rows = nlohmann::ordered_json::array();
+    for (const auto& row : measured.rows) rows.push_back(pointJson(row));
+    std::puts(jsonText({{"out", out.string()},
+                        {"seconds", seconds},
+                        {"computed", measured.computed},
+                        {"kept", measured.kept},
+                        {name == "growth" ? "curves" : "points", rows}})
+                  .c_str());
+    return;
   }
+  if constexpr (std::is_same_v<decltype(measured), const Measured<GrowthCurve>>) {
+    for (const GrowthCurve& one : measured.rows) {
+      std::printf("%s: exponent %s\n", nameOf(one).c_str(), growthText(one.time, 1.0).c_str());
+    }
+  }
+  std::printf("%zu cells measured, %zu already complete; %.0f s; page: %s\n", measured.computed,
+              measured.kept, seconds, visible((out / (name + ".html")).string()).c_str());
 }
 
 /// The options that choose the scenes, as they are given again.
@@ -268,29 +239,33 @@ void runChart(ChartOptions options) {
                                   threadsOf(options.scan.threads));
   if (options.growth) {
     const double memory_GB = 0.5 * freeMemory_GB();  // half stays for other programs
-    chartAndReport(
-        options,
-        planGrowth(options.choice.quick, size_px.value_or(640), memory_GB, threadCounts().back()),
-        "growth");
-    return;
+    const GrowthPlan plan =
+        planGrowth(options.choice.quick, size_px.value_or(640), memory_GB, threadCounts().back());
+    return chartAndReport(options, "growth", {}, {},
+                          [&](ChartOutput& to) { return chart(plan, to); });
   }
   options.choice.scan = scanViewOf(options.scan);
   if (options.stability) {
-    chartAndReport(options, planStability(options.choice), "stability");
-    return;
+    const StabilityPlan plan = planStability(options.choice);
+    return chartAndReport(options, "stability", measuredFiles(plan, options.out), {},
+                          [&](ChartOutput& to) { return chart(plan, to); });
   }
   if (options.motion) {
-    chartAndReport(options, planMotion(options.choice), "motion");
-    return;
+    const MotionPlan plan = planMotion(options.choice);
+    return chartAndReport(options, "motion", measuredFiles(plan, options.out), {},
+                          [&](ChartOutput& to) { return chart(plan, to); });
   }
   const ChartPlan plan = planChart(options.choice);
-  if (!options.export_to.empty()) {
-    exportPlan(options, plan);
-  } else {
-    chartAndReport(
-        options, plan, "chart",
-        options.import_from.empty() ? Imported() : importPoints(plan, options.import_from));
+  if (!options.export_to.empty()) return exportPlan(options, plan);
+  Imported imported;
+  if (!options.import_from.empty()) imported = importPoints(plan, options.import_from);
+  Paths outputs = measuredFiles(plan, options.out), inputs;
+  for (const auto& file : importedFiles(imported, options.out)) outputs.push_back(file);
+  for (const ImportedPoint& one : imported) {
+    inputs.insert(inputs.end(), one.read.begin(), one.read.end());
   }
+  chartAndReport(options, "chart", outputs, inputs,
+                 [&](ChartOutput& to) { return chart(plan, imported, to); });
 }
 
 }  // namespace

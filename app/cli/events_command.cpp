@@ -10,9 +10,11 @@
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "app/record/manifest.h"
+#include "app/record/run_events.h"
 #include "app/record/tables.h"
 #include "app/study/study_words.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
@@ -95,8 +97,7 @@ std::string countsOf(const std::vector<GazeState>& states, const std::vector<Gaz
   std::string text;
   for (const GazeState kind : kStates) {
     const auto samples = std::count(states.begin(), states.end(), kind);
-    const auto count = std::count_if(events.begin(), events.end(),
-                                     [&](const GazeEvent& event) { return event.kind == kind; });
+    const auto count = countOf(events, kind);
     const double share = static_cast<double>(samples) / static_cast<double>(states.size());
     json["events"][nameOf(kind)] = {{"count", count}, {"share", share}};
     text += printed("%-9s %5ld events  %5.1f %% of the samples\n",
@@ -141,10 +142,7 @@ EventLabels judgedLabels(const std::string& file, const GazeTrace& trace,
                          const EventSettings& settings, bool online) {
   EventLabels labels = labelEvents(trace, *trace.screen, settings, online);
   if (labels.any_judged) return labels;
-  std::string reasons;
-  for (const std::string& warning : labels.warnings) {
-    reasons += (reasons.empty() ? "" : "; ") + warning;
-  }
+  const std::string reasons = listed(labels.warnings, "; ");
   throw InputError(file,
                    "no sample can be judged: " + (reasons.empty() ? "all gaze is lost" : reasons));
 }
@@ -229,24 +227,25 @@ std::string wordOf(std::size_t kind) {
   return kind == Scores::kStable ? "stable" : std::string(nameOf(kStates[kind]));
 }
 
-/// A cell of a column, right-aligned.
-std::string columnText(const std::string& text, std::size_t width) {
-  return std::string(width - std::min(width, text.size()), ' ') + text;
-}
-
-/// Cohen's kappa of each pair of labellers (columns) for each kind of event (rows): as text and in
-/// `json`.
-std::string kappaTable(const Scores& scores, nlohmann::ordered_json& json) {
-  std::string text = "kappa    ";
-  for (const auto& [pair, kappas] : scores.kappas) text += "  " + pair.first + ":" + pair.second;
+/// A table with a row for each kind of event: as text and in `json`.
+/// @param columns  values by name  @param valueOf  of a column's values and a kind
+template <class Columns, class ValueOf>
+std::string kindTable(const std::string& title, std::size_t kinds, const Columns& columns,
+                      const ValueOf& valueOf, nlohmann::ordered_json& json) {
+  const auto padded = [](const std::string& text, std::size_t width) {
+    return std::string(width - std::min(width, text.size()), ' ');
+  };
+  std::string text = title + padded(title, 9);
+  for (const auto& [name, values] : columns) text += "  " + name;
   text += '\n';
-  for (std::size_t kind = 0; kind <= Scores::kStable; ++kind) {
-    text += wordOf(kind) + std::string(9 - wordOf(kind).size(), ' ');
-    for (const auto& [pair, kappas] : scores.kappas) {
-      const auto value = kappas[kind].value();
-      text += columnText(value ? decimal(*value, 3) : "n/a",
-                         pair.first.size() + pair.second.size() + 3);
-      auto& entry = json["kappa"][pair.first + ":" + pair.second][wordOf(kind)];
+  for (std::size_t kind = 0; kind < kinds; ++kind) {
+    const std::string word = wordOf(kind);
+    text += word + padded(word, 9);
+    for (const auto& [name, values] : columns) {
+      const std::optional<double> value = valueOf(values, kind);
+      const std::string cell = value ? decimal(*value, 3) : "n/a";
+      text += padded(cell, name.size() + 2) + cell;
+      auto& entry = json[title][name][word];
       if (value) entry = *value;
     }
     text += '\n';
@@ -254,22 +253,19 @@ std::string kappaTable(const Scores& scores, nlohmann::ordered_json& json) {
   return text;
 }
 
-/// The share of the samples that each labeller (columns) gave to each kind of event (rows): as text
-/// and in `json`.
-std::string shareTable(const Scores& scores, nlohmann::ordered_json& json) {
-  std::string text = "share    ";
-  for (const auto& [name, counts] : scores.counts) text += "  " + name;
-  text += '\n';
-  for (std::size_t kind = 0; kind < Scores::kStable; ++kind) {
-    text += wordOf(kind) + std::string(9 - wordOf(kind).size(), ' ');
-    for (const auto& [name, counts] : scores.counts) {
-      const double share = counts[static_cast<std::size_t>(kStates[kind])] / scores.samples;
-      text += columnText(decimal(share, 3), name.size() + 2);
-      json["share"][name][wordOf(kind)] = share;
-    }
-    text += '\n';
+/// Cohen's kappa of each pair of labellers, and the share of the samples that each labeller gave to
+/// each kind of event.
+std::string scoreTables(const Scores& scores, nlohmann::ordered_json& json) {
+  std::vector<std::pair<std::string, std::array<CohensKappa, Scores::kStable + 1>>> kappas;
+  for (const auto& [pair, all] : scores.kappas) {
+    kappas.emplace_back(pair.first + ":" + pair.second, all);
   }
-  return text;
+  const auto kappaOf = [](const auto& all, std::size_t kind) { return all[kind].value(); };
+  const auto shareOf = [&](const auto& counts, std::size_t kind) {
+    return counts[static_cast<std::size_t>(kStates[kind])] / scores.samples;
+  };
+  return kindTable("kappa", Scores::kStable + 1, kappas, kappaOf, json) +
+         kindTable("share", Scores::kStable, scores.counts, shareOf, json);
 }
 
 void scoreEvents(const EventsOptions& options) {
@@ -291,7 +287,7 @@ void scoreEvents(const EventsOptions& options) {
                                  {"detector_version", versionOf(description.events.detector)},
                                  {"online", options.online},
                                  {"warnings", warnings.all()}};
-  const std::string text = kappaTable(scores, json) + shareTable(scores, json);
+  const std::string text = scoreTables(scores, json);
   if (options.json) {
     std::puts(jsonText(json).c_str());
   } else {
@@ -332,7 +328,7 @@ void compareDetectors(const EventsOptions& options) {
                                  {"samples", scores.samples},
                                  {"online", options.online},
                                  {"warnings", warnings.all()}};
-  const std::string text = kappaTable(scores, json) + shareTable(scores, json);
+  const std::string text = scoreTables(scores, json);
   std::printf("%s", options.json ? (jsonText(json) + '\n').c_str() : text.c_str());
 }
 

@@ -16,13 +16,13 @@
 #include "app/cli/commands.h"
 #include "app/cli/completions.h"
 #include "app/platform/interrupt.h"
-#include "app/platform/quiet_libraries.h"
 #include "app/platform/shell.h"
 #include "app/platform/version.h"
 #include "app/platform/warnings.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "base/nearest.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/literature/literature.h"
 
@@ -46,14 +46,12 @@ std::vector<std::string> optionsOf(const CLI::App& app) {
 
 std::string unknownCommand(const CLI::App& app, const char* word) {
   std::vector<std::string> names;
-  std::string all;
   for (const CLI::App* command : commandsOf(app)) {
     names.push_back(command->get_name());
-    all += (all.empty() ? "" : ", ") + names.back();
   }
   const auto near = nearWord(word, names);
   return "unknown command " + shown(word) +
-         (near ? ": did you mean " + *near + "?" : ": expected one of " + all);
+         (near ? ": did you mean " + *near + "?" : ": expected one of " + listed(names));
 }
 
 /// The first unknown option from `argv[i]` on; absent if all are known.

@@ -41,6 +41,19 @@ auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
   }
 }
 
+/// Calls `field` with the name and the value of what JSON has as it is.
+template <class Cell, class Field>
+void eachField(Cell& cell, const Field& field) {
+  field("ssim", cell.errors.ssim);
+  field("coverage_error", cell.errors.coverage_error);
+  field("visible_error", cell.errors.visible_error);
+  field("flip", cell.errors.flip);
+  field("expected_error", cell.errors.expected_error);
+  field("tolerance_met", cell.errors.tolerance_met);
+  field("first_ms", cell.first_ms);
+  field("ms", cell.ms);
+}
+
 std::string textOf(Json json) {
   json["own_sha256"] = sha256Of(json.dump());
   return json.dump(1) + "\n";
@@ -59,42 +72,27 @@ ChartCells::ChartCells(fs::path folder, std::string key, OutputGuard guard)
 
 std::optional<ChartCell> ChartCells::load(const std::string& name, const std::string& key) const {
   return parsed(folder_ / (name + ".json"), key_ + key, [](const Json& json) {
-    ChartCell cell{.psnr_dB = numberInJson(json.at("psnr_dB")),
-                   .ssim = json.at("ssim"),
-                   .coverage_error = json.at("coverage_error"),
-                   .visible_error = json.at("visible_error"),
-                   .flip = json.at("flip"),
-                   .first_ms = json.at("first_ms")};
+    ChartCell cell;
+    eachField(cell, [&](const char* field, auto& value) { json.at(field).get_to(value); });
+    cell.errors.psnr_dB = numberInJson(json.at("psnr_dB"));
     const Json& silhouette = json.at("silhouette_psnr_dB");
-    if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberInJson(silhouette);
-    json.at("expected_error").get_to(cell.expected_error);
-    json.at("tolerance_met").get_to(cell.tolerance_met);
+    if (!silhouette.is_null()) cell.errors.silhouette_psnr_dB = numberInJson(silhouette);
     const Json& level = json.at("quality_level");
-    if (!level.is_null()) cell.quality_level = qualityLevelFrom(level.get<std::string>());
-    for (const auto& [threads, ms] : json.at("ms").items()) {
-      cell.ms[static_cast<unsigned>(std::atoi(threads.c_str()))] = ms.get<std::vector<double>>();
-    }
+    if (!level.is_null()) cell.errors.quality_level = qualityLevelFrom(level.get<std::string>());
     return cell;
   });
 }
 
 void ChartCells::store(const std::string& name, const std::string& key,
                        const ChartCell& cell) const {
+  const ChartErrors& errors = cell.errors;
   Json json = {{"key", key_ + key},
-               {"psnr_dB", jsonNumber(cell.psnr_dB)},
-               {"ssim", cell.ssim},
+               {"psnr_dB", jsonNumber(errors.psnr_dB)},
                {"silhouette_psnr_dB", nullptr},
-               {"coverage_error", cell.coverage_error},
-               {"visible_error", cell.visible_error},
-               {"flip", cell.flip},
-               {"expected_error", cell.expected_error},
-               {"tolerance_met", cell.tolerance_met},
-               {"quality_level", nullptr},
-               {"first_ms", cell.first_ms},
-               {"ms", Json::object()}};
-  if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
-  if (cell.quality_level) json["quality_level"] = textOf(*cell.quality_level);
-  for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
+               {"quality_level", nullptr}};
+  eachField(cell, [&](const char* field, const auto& value) { json[field] = value; });
+  if (const auto& dB = errors.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*dB);
+  if (errors.quality_level) json["quality_level"] = textOf(*errors.quality_level);
   writeOutput(folder_ / (name + ".json"), textOf(json), guard_);
 }
 

@@ -14,18 +14,23 @@
 
 namespace foci {
 
-/// Results of one method with one setting, in one scene, at one blur.
-struct ChartCell {
+/// The errors of a frame against its reference, and what `auto` states of them.
+struct ChartErrors {
   double psnr_dB = 0.0;  ///< infinite if every bit equals the reference's
   double ssim = 0.0;
   std::optional<double> silhouette_psnr_dB = {};  ///< absent without a silhouette in view
-  double coverage_error = 0.0;
+  std::optional<double> coverage_error = {};      ///< absent for another renderer
   double visible_error = 0.0;  ///< 95 % quantile over the pixels, just-noticeable differences
   double flip = 0.0;           ///< mean over the pixels (flip.h)
   /// The visible error that the method predicted; absent if the method predicts none.
   std::optional<double> expected_error = {};
   std::optional<bool> tolerance_met = {};          ///< whether it is within the tolerance
   std::optional<QualityLevel> quality_level = {};  ///< that `auto` chose
+};
+
+/// Results of one method with one setting, in one scene, at one blur.
+struct ChartCell {
+  ChartErrors errors = {};
   double first_ms = 0.0;  ///< time of the frame that the errors belong to, with all threads
   std::map<unsigned, std::vector<double>> ms = {};  ///< times of the timed frames, by threads
 };

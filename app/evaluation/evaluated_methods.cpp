@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <charconv>
 #include <string_view>
 
@@ -22,13 +21,10 @@ struct MethodSettings {
   }
 };
 
-const std::vector<MethodSettings>& variedMethods() {
-  static const std::vector<MethodSettings> all = {
-      {"accumulate", {16, 64, 200}, {16}, {64}}, {"raytrace", {1, 4}, {1}, {16}},
-      {"sweep-lod", {1, 7, 19}, {1, 7}, {7}},    {"layered", {4, 8, 32}, {8}, {8}},
-      {"rasanen", {4, 16, 64}, {16}, {16}},      {"shinya", {16, 64}, {16}, {16}}};
-  return all;
-}
+const std::vector<MethodSettings> kVaried = {
+    {"accumulate", {16, 64, 200}, {16}, {64}}, {"raytrace", {1, 4}, {1}, {16}},
+    {"sweep-lod", {1, 7, 19}, {1, 7}, {7}},    {"layered", {4, 8, 32}, {8}, {8}},
+    {"rasanen", {4, 16, 64}, {16}, {16}},      {"shinya", {16, 64}, {16}, {16}}};
 
 std::optional<int> standardSettingOf(const MethodInfo& info) {
   return info.default_n > 0 ? std::optional(info.default_n) : std::nullopt;
@@ -38,9 +34,8 @@ std::vector<EvaluatedMethod> everyMethod(SettingRange range) {
   std::vector<EvaluatedMethod> all;
   for (const MethodInfo& info : methods()) {
     const std::string name(info.name);
-    const auto varied = std::find_if(variedMethods().begin(), variedMethods().end(),
-                                     [&](const MethodSettings& one) { return one.method == name; });
-    if (info.default_n == 0 || varied == variedMethods().end()) {
+    const auto varied = std::ranges::find(kVaried, name, &MethodSettings::method);
+    if (info.default_n == 0 || varied == kVaried.end()) {
       all.push_back({name, standardSettingOf(info)});
       continue;
     }
@@ -55,15 +50,14 @@ EvaluatedMethod methodOfSpec(const std::string& spec) {
   }
   const std::size_t colon = spec.find(':');
   const std::string name = spec.substr(0, colon);
-  const auto info = std::find_if(methods().begin(), methods().end(),
-                                 [&](const MethodInfo& one) { return one.name == name; });
-  if (!info->variants.empty()) return {spec, std::nullopt};
+  const MethodInfo& info = methodInfo(spec);
+  if (!info.variants.empty()) return {spec, std::nullopt};
   if (colon != std::string::npos) {
     int setting = 0;  // the registry has checked the number
     std::from_chars(spec.data() + colon + 1, spec.data() + spec.size(), setting);
     return {name, setting};
   }
-  return {name, standardSettingOf(*info)};
+  return {name, standardSettingOf(info)};
 }
 
 }  // namespace
@@ -94,10 +88,7 @@ std::span<const FamilyStyle> methodFamilies() {
 }
 
 const FamilyStyle& familyOf(const std::string& method) {
-  const std::string_view name = std::string_view(method).substr(0, method.find(':'));
-  const auto info = std::ranges::find(methods(), name, &MethodInfo::name);
-  assert(info != methods().end());
-  return *std::ranges::find(methodFamilies(), info->family, &FamilyStyle::family);
+  return *std::ranges::find(methodFamilies(), methodInfo(method).family, &FamilyStyle::family);
 }
 
 }  // namespace foci

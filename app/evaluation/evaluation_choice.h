@@ -1,7 +1,9 @@
-// What the user chose to evaluate.
+// What the user chose to evaluate, and what it gives.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "app/evaluation/scene_in_view.h"
 #include "base/input_error.h"
 #include "base/nearest.h"
+#include "base/rows.h"
 
 namespace foci {
 
@@ -18,6 +21,17 @@ struct EvaluationChoice {
   std::optional<int> size_px = {};        ///< width of the images
   std::vector<std::string> scenes = {};   ///< names; empty: all scenes
   std::vector<std::string> methods = {};  ///< `name` or `name:N`; empty: all methods
+};
+
+/// Called with the number of steps done since the last call.
+using OnSteps = std::function<void(std::size_t)>;
+
+/// What an evaluation has measured.
+template <class Row>
+struct Measured {
+  std::vector<Row> rows = {};
+  std::size_t computed = 0, kept = 0;      ///< cells that this run measured, and found complete
+  std::vector<std::string> warnings = {};  ///< of the scan
 };
 
 /// Removes the scenes that the user did not choose.
@@ -35,10 +49,8 @@ void keepChosen(std::vector<Scene>& scenes, const EvaluationChoice& choice, cons
   for (const std::string& name : choice.scenes) {
     if (!contains(known, name)) {
       const auto near = nearWord(name, known);
-      std::string all;
-      for (const std::string& one : known) all += (all.empty() ? "" : ", ") + one;
       throw InputError("--scene " + name, near ? "expected a known scene; the nearest is " + *near
-                                               : "expected one of " + all);
+                                               : "expected one of " + listed(known));
     }
   }
   std::erase_if(scenes,

@@ -214,8 +214,7 @@ SceneInView gardenInView(int width_px) {
 
 double galleryDepth_m(const View& view, const std::string& place) {
   const auto places = galleryPointsOfInterest();
-  const auto found = std::find_if(places.begin(), places.end(),
-                                  [&](const PointOfInterest& one) { return one.name == place; });
+  const auto found = std::ranges::find(places, place, &PointOfInterest::name);
   assert(found != places.end());
   return -(view.eye_from_world * glm::vec4(found->p_world, 1.0f)).z;
 }

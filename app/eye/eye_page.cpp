@@ -11,6 +11,7 @@
 #include "app/graphics/plot.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
+#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {
@@ -25,17 +26,12 @@ void put(Image& image, int x, int y, const glm::dvec3& rgb) {
   }
 }
 
-Image blank(int size_px) {
-  return {.size_px = {size_px, size_px},
-          .rgb = std::vector<std::uint8_t>(3 * static_cast<std::size_t>(size_px) * size_px, 255)};
-}
-
 /// The PSF in grey, brightest in white, with a bar of a round number of arcmin. Brightness is the
 /// light to the power 1/2.2, so that faint light shows.
-std::vector<std::uint8_t> psfPng(const Psf& psf, double* bar_arcmin) {
+std::string psfPng(const Psf& psf, double* bar_arcmin) {
   const int size = psf.size;
   const double peak = std::ranges::max(psf.light);
-  Image image = blank(kZoom * size);
+  Image image = filledImage(glm::ivec2(kZoom * size), 255);
   for (int y = 0; y < kZoom * size; ++y) {
     for (int x = 0; x < kZoom * size; ++x) {
       const double light = psf.at(x / kZoom, y / kZoom) / peak;
@@ -57,9 +53,8 @@ std::vector<std::uint8_t> psfPng(const Psf& psf, double* bar_arcmin) {
 
 /// The wavefront as who faces the eye sees it: warm where it is ahead, blue behind, white at 0; a
 /// line each quarter of a micrometre.
-std::vector<std::uint8_t> wavefrontPng(const Pupil& pupil, double* most_um) {
-  const PupilWavefront wavefront(
-      pupil.wavefront ? pupil.wavefront : Wavefront{.zernike_um = {}, .pupil_m = pupil.diameter_m});
+std::string wavefrontPng(const Pupil& pupil, double* most_um) {
+  const PupilWavefront wavefront = wavefrontIn(pupil);
   const auto error_um = [&](int x, int y) {
     const glm::dvec2 p = 2.0 * (glm::dvec2(x, y) + 0.5) / double{kWavefront_px} - 1.0;
     // The image's axes are opposite to those of who faces the eye.
@@ -72,7 +67,7 @@ std::vector<std::uint8_t> wavefrontPng(const Pupil& pupil, double* most_um) {
       if (std::isfinite(um)) *most_um = std::max(*most_um, std::abs(um));
     }
   }
-  Image image = blank(kWavefront_px);
+  Image image = filledImage(glm::ivec2(kWavefront_px), 255);
   for (int y = 0; y < kWavefront_px; ++y) {
     for (int x = 0; x < kWavefront_px; ++x) {
       const double um = error_um(x, y);
@@ -208,7 +203,7 @@ std::string tableOf(const std::vector<EyeFigures>& eyes) {
   std::string text = "eye\tfigure\tat\tunit\tvalue\n";
   const auto row = [&](const EyeFigures& eye, const std::string& what, const std::string& at,
                        const std::string& unit, double value) {
-    text += eye.name + "\t" + what + "\t" + at + "\t" + unit + "\t" + significant(value, 6) + "\n";
+    text += rowOf(eye.name, what, at, unit, significant(value, 6));
   };
   const auto imageRows = [&](const EyeFigures& eye, const auto& of, const std::string& where) {
     for (const PointImage& point : of.points) {
@@ -247,8 +242,8 @@ std::string tableOf(const std::vector<EyeFigures>& eyes) {
 
 /// One eye's section; its pictures go to `files`.
 void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
-  const auto save = [&](const std::string& name, const std::vector<std::uint8_t>& png) {
-    files.write(name, std::string(png.begin(), png.end()));
+  const auto save = [&](const std::string& name, const std::string& png) {
+    files.write(name, png);
     return name;
   };
   std::string title = eye.name;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "app/eye/wide_angle_eye.h"
 #include "app/platform/progress.h"
@@ -30,18 +29,8 @@ Pupil pupilWithRefraction(const ObserverSettings& observer, bool left, double fo
 }
 
 double windowOf_rad(const EyeOptics& eye) {
-  const PupilWavefront wavefront(
-      eye.pupil.wavefront ? eye.pupil.wavefront
-                          : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
-  double reach_rad = 2.0 * eye.wavelength_m / eye.pupil.diameter_m;
-  for (int i = 0; i < 48; ++i) {
-    const double angle_rad = 2.0 * std::numbers::pi * i / 48.0;
-    for (const double r : {0.5, 0.8, 1.0}) {
-      const glm::dvec2 p = r * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad));
-      reach_rad = std::max(reach_rad, glm::length(wavefront.at(p).slope +
-                                                  0.5 * eye.defocus_D * eye.pupil.diameter_m * p));
-    }
-  }
+  const double reach_rad = std::max(2.0 * eye.wavelength_m / eye.pupil.diameter_m,
+                                    steepest_rad(eye, 48, {0.5, 0.8, 1.0}));
   return std::clamp(2.4 * reach_rad, kLeastWindow_arcmin * kArcmin_rad,
                     kMostWindow_arcmin * kArcmin_rad);
 }

@@ -13,6 +13,7 @@
 #include "app/graphics/html.h"
 #include "app/platform/output_files.h"
 #include "app/platform/progress.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/focus/accommodation.h"
 #include "gaze/focus/pupil.h"
@@ -39,33 +40,57 @@ void addFigure(Figures& figures, ValidationFigure kind, const std::string& what,
   figures.push_back(std::move(kind));
 }
 
+/// A point of light in the middle of an image.
+struct RenderedPoint {
+  int size_px;
+  SurfelCloud cloud = {};
+  View view;
+  std::unique_ptr<Method> method = {};
+
+  RenderedPoint(const glm::vec3& at_m, int image_px, float focal_px)
+      : size_px(image_px),
+        view{.size_px = glm::ivec2(size_px),
+             .focal_px = glm::vec2(focal_px),
+             .principal_px = 0.5f * static_cast<float>(size_px) -
+                             focal_px * glm::vec2(at_m.x, -at_m.y) / -at_m.z} {
+    appendSurfel(cloud, at_m, -glm::normalize(at_m), 3e-5f, 4e-9f, glm::vec3(1.0f));
+    method = makeMethod("sweep", cloud);
+  }
+
+  /// Of its light along x and y. @param field  of the eye; null: as in the line of sight
+  glm::dvec2 variance_px2(double pupil_m, double focus_D,
+                          const FieldAberrations* field = nullptr) const {
+    RenderSettings settings;
+    Defocus& defocus = settings.defocus;
+    defocus = defocusOfLens(pupil_m, view.focal_px, focus_D, DistanceAlong::sight);
+    if (field) {
+      defocus.field =
+          std::make_shared<const LensField>(*field, false, view, view.principal_px, defocus);
+    }
+    Frame frame;
+    method->render(view, settings, frame);
+    double light = 0.0;
+    glm::dvec2 sum(0.0), squares(0.0);
+    for (int y = 0; y < size_px; ++y) {
+      for (int x = 0; x < size_px; ++x) {
+        const glm::dvec2 from = glm::dvec2(x, y) + 0.5 - 0.5 * size_px;
+        const double each = frame.at(x, y).r;
+        light += each;
+        sum += each * from;
+        squares += each * from * from;
+      }
+    }
+    return squares / light - sum * sum / (light * light);
+  }
+};
+
 /// Diameter, arcmin, of the disc that spreads light as far as a rendered point of light: four times
 /// the standard deviation, beyond that of the sharp point.
 double renderedBlur_arcmin(double pupil_m, double defocus_D) {
-  constexpr int kSize_px = 129;
-  constexpr float kFocal_px = static_cast<float>(1.0 / kArcmin_rad);
-  SurfelCloud cloud;
-  appendSurfel(cloud, {0.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 1.0f}, 3e-5f, 4e-9f, glm::vec3(1.0f));
-  const View view{.size_px = {kSize_px, kSize_px},
-                  .focal_px = glm::vec2(kFocal_px),
-                  .principal_px = glm::vec2(0.5f * kSize_px)};
-  const auto method = makeMethod("sweep", cloud);
-  const auto variance_px2 = [&](double focus_D) {
-    RenderSettings settings;
-    settings.defocus = defocusOfLens(pupil_m, glm::vec2(kFocal_px), focus_D, DistanceAlong::sight);
-    Frame frame;
-    method->render(view, settings, frame);
-    double light = 0.0, squares = 0.0;
-    for (int y = 0; y < kSize_px; ++y) {
-      for (int x = 0; x < kSize_px; ++x) {
-        const glm::dvec2 from = glm::dvec2(x, y) + 0.5 - 0.5 * kSize_px;
-        light += frame.at(x, y).r;
-        squares += 0.5 * frame.at(x, y).r * glm::dot(from, from);
-      }
-    }
-    return squares / light;
-  };
-  return 4.0 * std::sqrt(variance_px2(1.0 + defocus_D) - variance_px2(1.0));
+  const RenderedPoint point({0.0f, 0.0f, -1.0f}, 129, static_cast<float>(1.0 / kArcmin_rad));
+  const glm::dvec2 added_px2 =
+      point.variance_px2(pupil_m, 1.0 + defocus_D) - point.variance_px2(pupil_m, 1.0);
+  return 4.0 * std::sqrt(0.5 * (added_px2.x + added_px2.y));
 }
 
 void addBlur(Figures& figures) {
@@ -139,41 +164,16 @@ struct FieldPoint {
 /// How much stronger than at the gaze the typical eye is along x and y of the image, as a rendered
 /// point of light tells: the focus at which its variance along that axis is least.
 glm::dvec2 renderedPower_D(const FieldPoint& at) {
-  constexpr int kSize_px = 257;
-  constexpr float kFocal_px = 1500.0f;
   constexpr double kPupil_m = 4e-3, kPoint_D = 1.0, kStep_D = 3.0;
   const double per_deg = std::numbers::pi / 180.0;
   const double away_rad = std::hypot(at.temporal_deg, at.up_deg) * per_deg;
   const glm::dvec2 along = away_rad > 0.0
                                ? glm::dvec2(at.temporal_deg, at.up_deg) * per_deg / away_rad
                                : glm::dvec2(1.0, 0.0);
-  const glm::vec3 p(glm::dvec3(std::sin(away_rad) * along, -std::cos(away_rad)) / kPoint_D);
-  const glm::vec2 image_px = kFocal_px * glm::vec2(p.x, -p.y) / -p.z;
-  SurfelCloud cloud;
-  appendSurfel(cloud, p, -glm::normalize(p), 3e-5f, 4e-9f, glm::vec3(1.0f));
-  const View view{.size_px = {kSize_px, kSize_px},
-                  .focal_px = glm::vec2(kFocal_px),
-                  .principal_px = glm::vec2(0.5f * kSize_px) - image_px};
-  const auto method = makeMethod("sweep", cloud);
+  const RenderedPoint point(glm::dvec3(std::sin(away_rad) * along, -std::cos(away_rad)) / kPoint_D,
+                            257, 1500.0f);
   const auto variance_px2 = [&](double focus_D) {
-    RenderSettings settings;
-    settings.defocus = defocusOfLens(kPupil_m, glm::vec2(kFocal_px), focus_D, DistanceAlong::sight);
-    settings.defocus.field = std::make_shared<const LensField>(typicalField(), false, view,
-                                                               view.principal_px, settings.defocus);
-    Frame frame;
-    method->render(view, settings, frame);
-    double light = 0.0;
-    glm::dvec2 sum(0.0), squares(0.0);
-    for (int y = 0; y < kSize_px; ++y) {
-      for (int x = 0; x < kSize_px; ++x) {
-        const glm::dvec2 from = glm::dvec2(x, y) + 0.5 - 0.5 * kSize_px;
-        const double each = frame.at(x, y).r;
-        light += each;
-        sum += each * from;
-        squares += each * from * from;
-      }
-    }
-    return squares / light - sum * sum / (light * light);
+    return point.variance_px2(kPupil_m, focus_D, &typicalField());
   };
   // The variance is a parabola of the focus.
   const glm::dvec2 nearer = variance_px2(kPoint_D + kStep_D),
@@ -357,9 +357,8 @@ std::string dotOf(const ValidationFigure& figure) {
 std::string validationTable(const std::vector<ValidationFigure>& figures) {
   std::string text = "figure\tcondition\tunit\texpected\ttolerance\tvalue\tin_bounds\tsource\n";
   for (const ValidationFigure& one : figures) {
-    text += one.group + "\t" + one.what + "\t" + one.unit + "\t" + decimal(one.expected, 4) + "\t" +
-            decimal(one.tolerance, 4) + "\t" + decimal(one.value, 4) + "\t" +
-            (one.inBounds() ? "1" : "0") + "\t" + one.source + "\n";
+    text += rowOf(one.group, one.what, one.unit, decimal(one.expected, 4),
+                  decimal(one.tolerance, 4), decimal(one.value, 4), one.inBounds(), one.source);
   }
   return text;
 }

@@ -12,7 +12,6 @@
 
 #include "base/parallel.h"
 #include "render/optics/colours.h"
-#include "render/optics/wavefront.h"
 
 namespace foci {
 
@@ -139,9 +138,7 @@ PupilField pupilField(const EyeOptics& eye, double step_rad, int n) {
   assert(radius_m > 0.0 && step_rad <= eye.wavelength_m / (2.0 * eye.pupil.diameter_m));
   const double step_m = eye.wavelength_m / (n * step_rad);
   const double per_m = 2.0 * std::numbers::pi / eye.wavelength_m;
-  const PupilWavefront wavefront(
-      eye.pupil.wavefront ? eye.pupil.wavefront
-                          : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
+  const PupilWavefront wavefront = wavefrontIn(eye.pupil);
   const int up = std::min(static_cast<int>(radius_m / step_m), n / 2 - 1);
   const int across = std::min(static_cast<int>(eye.pupil_aspect * radius_m / step_m), n / 2 - 1);
   PupilField pupil{.field = cv::Mat::zeros(2 * up + 1, 2 * across + 1, CV_64FC2)};
@@ -188,21 +185,8 @@ cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = n
 
 /// Field that holds the light: geometric blur and the wings of diffraction.
 double fieldOf_rad(const EyeOptics& eye) {
-  const double radius_m = 0.5 * eye.pupil.diameter_m;
-  double slope_rad = 0.0;
-  if (eye.pupil.wavefront || eye.defocus_D != 0.0) {
-    const PupilWavefront wavefront(
-        eye.pupil.wavefront ? eye.pupil.wavefront
-                            : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
-    for (int i = 0; i < 64; ++i) {
-      const double angle_rad = 2.0 * std::numbers::pi * i / 64.0;
-      for (const double r : {0.5, 0.75, 1.0}) {
-        const glm::dvec2 p = r * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad));
-        slope_rad =
-            std::max(slope_rad, glm::length(wavefront.at(p).slope + eye.defocus_D * radius_m * p));
-      }
-    }
-  }
+  const bool sharp = !eye.pupil.wavefront && eye.defocus_D == 0.0;
+  const double slope_rad = sharp ? 0.0 : steepest_rad(eye, 64, {0.5, 0.75, 1.0});
   return 4.0 * slope_rad + kRings * eye.wavelength_m / eye.pupil.diameter_m;
 }
 
@@ -318,6 +302,25 @@ std::vector<double> mtfOf(std::vector<Transfer> transfers, const std::vector<dou
 }
 
 }  // namespace
+
+double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<double> shares) {
+  const PupilWavefront wavefront = wavefrontIn(eye.pupil);
+  double steepest = 0.0;
+  for (int i = 0; i < angles; ++i) {
+    const double angle_rad = 2.0 * std::numbers::pi * i / angles;
+    for (const double r : shares) {
+      const glm::dvec2 p = r * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad));
+      steepest = std::max(steepest, glm::length(wavefront.at(p).slope +
+                                                0.5 * eye.defocus_D * eye.pupil.diameter_m * p));
+    }
+  }
+  return steepest;
+}
+
+PupilWavefront wavefrontIn(const Pupil& pupil) {
+  return PupilWavefront(pupil.wavefront ? pupil.wavefront
+                                        : Wavefront{.zernike_um = {}, .pupil_m = pupil.diameter_m});
+}
 
 Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {
   assert(sample_rad > 0.0 && size > 0);

@@ -4,11 +4,13 @@
 // tests hold splatted images against.
 #pragma once
 
+#include <initializer_list>
 #include <numbers>
 #include <span>
 #include <vector>
 
 #include "render/optics/pupil.h"
+#include "render/optics/wavefront.h"
 
 namespace foci {
 
@@ -21,6 +23,13 @@ struct EyeOptics {
   double wavelength_m = 555e-9;
   double pupil_aspect = 1.0;  ///< width over height of an elliptical pupil as high as `pupil`
 };
+
+/// The wavefront in a pupil; a plane one if it has none.
+PupilWavefront wavefrontIn(const Pupil& pupil);
+
+/// The largest angle between the rays of a point of light, at these shares of the pupil's radius
+/// and as many angles around it.
+double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<double> shares);
 
 /// Light by visual angle. Rows run downwards and columns to the right, as the observer sees them.
 /// The direction of the point lies in the middle of the sample (size / 2, size / 2).

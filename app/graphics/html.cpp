@@ -70,11 +70,11 @@ std::string hrefOf(const std::string& file) {
   return link;
 }
 
-std::string imageUri(const std::vector<std::uint8_t>& bytes, const std::string& type) {
+std::string imageUri(const std::string& bytes, const std::string& type) {
   std::ostringstream out;
   out << "data:image/" << type << ";base64,";
   Base64 base64(out);
-  base64.add(bytes.data(), bytes.size());
+  base64.add(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   base64.finish();
   return out.str();
 }

@@ -27,7 +27,7 @@ std::string hrefOf(const std::string& file);
 
 /// The bytes of an image file as its address (RFC 2397): the value of an attribute.
 /// @param type  "jpeg" or "png"
-std::string imageUri(const std::vector<std::uint8_t>& bytes, const std::string& type = "jpeg");
+std::string imageUri(const std::string& bytes, const std::string& type = "jpeg");
 
 /// Texts that the reader should know first, each in a paragraph that stands out. Plain text.
 std::string noticesOf(const std::vector<std::string>& texts);

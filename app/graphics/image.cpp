@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "base/file.h"
 #include "base/image_codec.h"
@@ -96,11 +97,14 @@ void drawMarker(Image& image, const glm::dvec2& point_px, bool broken) {
   }
 }
 
+Image filledImage(const glm::ivec2& size_px, std::uint8_t value) {
+  const std::size_t pixels = std::size_t(size_px.x) * std::size_t(size_px.y);
+  return {.size_px = size_px, .rgb = std::vector<std::uint8_t>(3 * pixels, value)};
+}
+
 Image thumbnail(const Image& image, int width_px) {
-  Image small{.size_px = {width_px, std::max(1, image.size_px.y * width_px / image.size_px.x)},
-              .rgb = {}};
-  small.rgb.resize(3u * static_cast<std::size_t>(small.size_px.x) *
-                   static_cast<std::size_t>(small.size_px.y));
+  Image small =
+      filledImage({width_px, std::max(1, image.size_px.y * width_px / image.size_px.x)}, 0);
   cv::Mat to = matOf(small);
   cv::resize(matOf(image), to, to.size(), 0, 0, cv::INTER_AREA);
   return small;
@@ -118,11 +122,7 @@ Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std:
   constexpr int kGap_px = 8, kTitle_px = 28;
   const glm::ivec2 one_px = rows.front().front().size_px;
   const glm::ivec2 counts(static_cast<int>(titles.size()), static_cast<int>(rows.size()));
-  Image grid{.size_px = counts * (one_px + kGap_px) - kGap_px + glm::ivec2(0, kTitle_px),
-             .rgb = {}};
-  grid.rgb.assign(
-      3u * static_cast<std::size_t>(grid.size_px.x) * static_cast<std::size_t>(grid.size_px.y),
-      255);
+  Image grid = filledImage(counts * (one_px + kGap_px) - kGap_px + glm::ivec2(0, kTitle_px), 255);
   cv::Mat image = matOf(grid);
   for (int x = 0; x < counts.x; ++x) {
     const int left = x * (one_px.x + kGap_px);
@@ -137,15 +137,18 @@ Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std:
   return grid;
 }
 
-std::vector<std::uint8_t> jpegOf(const Image& image) {
-  return encodeJpeg(image.size_px.x, image.size_px.y, image.rgb.data(), kJpegQuality);
+std::string jpegOf(const Image& image) {
+  const auto bytes = encodeJpeg(image.size_px.x, image.size_px.y, image.rgb.data(), kJpegQuality);
+  return {bytes.begin(), bytes.end()};
 }
 
-std::vector<std::uint8_t> pngOf(const Image& image) {
-  return encodePng(image.size_px.x, image.size_px.y, 3, image.rgb.data());
+std::string pngOf(const Image& image) {
+  const auto bytes = encodePng(image.size_px.x, image.size_px.y, 3, image.rgb.data());
+  return {bytes.begin(), bytes.end()};
 }
 
-Image imageOfPng(const std::vector<std::uint8_t>& bytes, const glm::ivec2& size_px) {
+Image imageOfPng(const std::string& png, const glm::ivec2& size_px) {
+  const std::span bytes(reinterpret_cast<const unsigned char*>(png.data()), png.size());
   const auto stated = statedImageSize(bytes);
   if (!stated || stated->columns != static_cast<std::uint64_t>(size_px.x) ||
       stated->rows != static_cast<std::uint64_t>(size_px.y)) {

@@ -16,6 +16,9 @@ namespace foci {
 /// @param gamma  of the display; absent: sRGB
 Image imageOf(const Frame& frame, std::optional<double> gamma = std::nullopt);
 
+/// All bytes are `value`.
+Image filledImage(const glm::ivec2& size_px, std::uint8_t value);
+
 /// Draws a ring around a point, visible on any ground. A point outside the image gets no ring.
 /// @param broken  draws a broken ring: the observer does not fixate now
 void drawMarker(Image& image, const glm::dvec2& point_px, bool broken);
@@ -42,13 +45,13 @@ Image differenceOf(const Frame& a, const Frame& b, float gain);
 Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std::string>& titles);
 
 /// The bytes of a JPEG file.
-std::vector<std::uint8_t> jpegOf(const Image& image);
+std::string jpegOf(const Image& image);
 
 /// The bytes of a PNG file.
-std::vector<std::uint8_t> pngOf(const Image& image);
+std::string pngOf(const Image& image);
 
 /// The image of a PNG file's bytes; an empty one unless they state this size. A larger one is not
 /// unpacked.
-Image imageOfPng(const std::vector<std::uint8_t>& bytes, const glm::ivec2& size_px);
+Image imageOfPng(const std::string& bytes, const glm::ivec2& size_px);
 
 }  // namespace foci

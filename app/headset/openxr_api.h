@@ -42,7 +42,6 @@
   X(BeginSession)                      \
   X(EndSession)                        \
   X(RequestExitSession)                \
-  X(EnumerateReferenceSpaces)          \
   X(CreateReferenceSpace)              \
   X(CreateActionSpace)                 \
   X(LocateSpace)                       \

@@ -23,7 +23,6 @@ NamedShape objectAt(const glm::dvec3& point_m, double distance_m,
   }
   return {.name = std::move(name),
           .center_m = point_m,
-          .size_m = {},
           .radius_m = distance_m * std::tan(glm::radians(kHalfWidth_deg))};
 }
 

@@ -10,7 +10,9 @@
 #include "app/live/options.h"
 #include "app/live/outside.h"
 #include "app/live/renderer.h"
+#include "app/live/sources.h"
 #include "app/window/window.h"
+#include "gaze/live/trace_player.h"
 
 namespace foci {
 
@@ -62,6 +64,11 @@ void drawHelp(bool plays, bool& open);
 /// @param first  also shows the most important keys, at the lower edge
 void drawNotices(const PanelContent& content, const std::string& notice, bool first,
                  float lower_px);
+
+/// Draws a recording's buttons, and a bar with its fixations, data loss and event markers at the
+/// lower edge. A click on the bar seeks.
+/// @return its height, px
+float drawTimeline(TracePlayer& player, const Playback& playback);
 
 /// Draws gaze markers behind everything, as `drawGazeMarkers` does in an image.
 /// @param area  of the window that shows the image

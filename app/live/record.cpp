@@ -11,6 +11,7 @@
 #include "app/study/study_text.h"
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {
@@ -124,10 +125,11 @@ void LiveRecord::writeStudy(double fps) const {
                 studyToml(study));
 }
 
-void LiveRecord::post(std::function<void()> task) {
+void LiveRecord::post(std::function<void()> task, std::size_t frames) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_ || failure_) return;
+    frames_waiting_ += frames;
     tasks_.push_back(std::move(task));
   }
   changed_.notify_all();
@@ -161,8 +163,8 @@ void LiveRecord::play(const std::string& file, const PlayPoint& point) {
 
 void LiveRecord::add(const PlayPoint& point) {
   post([this, point] {
-    playback_ << decimal(point.time_s, 6) << '\t' << decimal(point.recording_s, 6) << '\t'
-              << decimal(point.speed, 3) << '\n';
+    playback_ << rowOf(decimal(point.time_s, 6), decimal(point.recording_s, 6),
+                       decimal(point.speed, 3));
   });
 }
 
@@ -183,13 +185,7 @@ void LiveRecord::setReception(const GazeReception& reception) {
 }
 
 void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (closed_ || failure_) return;
-    ++frames_waiting_;
-    tasks_.push_back([this, frame = std::move(frame)] { write(*frame); });
-  }
-  changed_.notify_all();
+  post([this, frame = std::move(frame)] { write(*frame); }, 1);
 }
 
 void LiveRecord::close() {
@@ -245,20 +241,15 @@ void LiveRecord::write(const LiveFrame& frame) {
   if (frame_count_ == 0) first_s_ = frame.record.time_s;
   last_s_ = frame.record.time_s;
   frames_.add(frame_count_, frame.record);
-  timing_ << frame_count_ << '\t' << orAbsent(timing.sample_s, 6) << '\t'
-          << decimal(timing.state_s, 6) << '\t' << decimal(timing.render_start_s, 6) << '\t'
-          << decimal(timing.render_end_s, 6) << '\t' << orAbsent(timing.swap_s, 6) << '\t'
-          << timing.repeats << '\t' << timing.in_full << '\t';
-  const auto landed_ms =
-      timing.swap_s ? landings_.add(frame.record, timing.state_s, timing.in_full, *timing.swap_s)
-                    : std::nullopt;
-  timing_ << orAbsent(landed_ms, 1) << '\t'
-          << (timing.swap_s ? std::to_string(timing.sync_level) : "n/a") << '\t'
-          << orAbsent(timing.display_s, 6) << '\t'
-          << orAbsent(timing.display_s && timing.sample_s
-                          ? std::optional(1e3 * (*timing.display_s - *timing.sample_s))
-                          : std::nullopt,
-                      1);
+  const auto &sample_s = timing.sample_s, &swap_s = timing.swap_s, &display_s = timing.display_s;
+  std::optional<double> landed_ms, age_ms;
+  if (swap_s) landed_ms = landings_.add(frame.record, timing.state_s, timing.in_full, *swap_s);
+  if (display_s && sample_s) age_ms = 1e3 * (*display_s - *sample_s);
+  timing_ << tabbed(frame_count_, orAbsent(sample_s, 6), decimal(timing.state_s, 6),
+                    decimal(timing.render_start_s, 6), decimal(timing.render_end_s, 6),
+                    orAbsent(swap_s, 6), timing.repeats, timing.in_full, orAbsent(landed_ms, 1),
+                    swap_s ? std::to_string(timing.sync_level) : "n/a", orAbsent(display_s, 6),
+                    orAbsent(age_ms, 1));
   for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
     const std::optional<GpuTimes>& gpu = frame.record.stats.gpu;
     timing_ << '\t' << (gpu ? decimal(gpu->stage_ms.at(stage), 3) : "n/a");
@@ -308,9 +299,7 @@ void LiveRecord::finish() {
                       .gaze = {.format = "no gaze",
                                .rate_Hz = study.record.rate_Hz.value_or(0.0),
                                .samples = gaze_samples_},
-                      .landings = &landings_,
-                      .inputs = {},
-                      .frames_sha256 = {}};
+                      .landings = &landings_};
   if (gaze_points_ > 0) {
     GazeTrace trace = loadGaze(study, warnings_);
     if (study.record.head) {

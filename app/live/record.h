@@ -125,7 +125,7 @@ class LiveRecord {
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
-  void post(std::function<void()> task);
+  void post(std::function<void()> task, std::size_t frames = 0);
   void run();
   void write(const LiveFrame& frame);
   void finish();

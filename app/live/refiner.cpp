@@ -24,7 +24,6 @@ Refiner::Refiner(FrameRenderer renderer, unsigned threads)
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 Refiner::~Refiner() {
-  gate_.open();
   thread_.request_stop();
   want({});
 }

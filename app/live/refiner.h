@@ -32,7 +32,7 @@ class Refiner {
   /// The next frame is rendered into this one's memory: a new one costs the system milliseconds.
   void reuse(RenderedFrame&& rendered);
 
-  /// Close it while the frame loop renders: both threads wait for the same memory.
+  /// Hold it while the frame loop renders: both threads wait for the same memory.
   Gate& gate() { return gate_; }
 
   /// How many steps have been completed: views prepared, frames rendered.

@@ -70,12 +70,7 @@ LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& 
       threads_(threads),
       ready_(std::move(ready)),
       head_(std::move(head)),
-      state_{.study = study,
-             .notice = {},
-             .last = {},
-             .record = nullptr,
-             .scene_m = 0.0,
-             .in_view = true},
+      state_{.study = study},
       thread_([this, scene = std::move(scene),
                gpu = std::move(gpu)](const std::stop_token& stop) mutable {
         run(stop, std::move(scene), std::move(gpu));
@@ -586,13 +581,13 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   const RenderRequest request = session_->requestOf(last_method_, frame->record);
   const bool again = refine(request, frame->record);
   // On a GPU the frame would wait for the refiner, which may hold the device.
-  const bool goes_first = refiner_ && !session_->renderer().gpu();
-  if (goes_first) refiner_->gate().close();
+  std::unique_lock<Gate> first;
+  if (refiner_ && !session_->renderer().gpu()) first = std::unique_lock(refiner_->gate());
   RenderedFrame& rendered = session_->renderKept(request, frame->record, again);
   if (!shows_textures_) session_->renderer().read(rendered);
   alike_ = request == last_request_ && frame->record.method == last_.method ? alike_ + 1 : 0;
   fill(*frame, rendered);
-  if (goes_first) refiner_->gate().open();
+  if (first) first.unlock();
   last_request_ = request;
   last_ = frame->record;
   paused_frames_ = time_s > now_s ? paused_frames_ + 1 : 0;

@@ -33,9 +33,9 @@ std::string methodOfFrame(const Study& study, const FrameRecord& record);
 /// What the window shows besides the frame.
 struct LiveState {
   Study study;                                  ///< with the changes so far
-  std::string notice;                           ///< the latest; "" at first
-  FrameRecord last;                             ///< of the newest frame
-  std::shared_ptr<LiveRecord> record;           ///< in progress; null: none
+  std::string notice{};                         ///< the latest; "" at first
+  FrameRecord last{};                           ///< of the newest frame
+  std::shared_ptr<LiveRecord> record{};         ///< in progress; null: none
   double scene_m = 0.0;                         ///< longest side of the scene; 0 until it is loaded
   std::vector<std::string_view> methods = {};   ///< that render the scene; none until it is loaded
   bool in_view = true;                          ///< whether a resting eye sees any of the scene

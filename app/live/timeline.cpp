@@ -1,5 +1,4 @@
-#include "app/live/timeline.h"
-
+// The timeline of a recording that plays, at the lower edge of the window.
 #include <imgui.h>
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "app/live/panel.h"
 #include "app/live/words.h"
 #include "base/text.h"
 

@@ -9,7 +9,6 @@
 
 #include "app/live/live_window.h"
 #include "app/live/remote_control.h"
-#include "app/live/timeline.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
@@ -229,8 +228,7 @@ void LiveWindow::screenshot() {
   saving_ =
       std::async(std::launch::async, [this, image = renderer_->pixelsOf(frame_), file]() mutable {
         try {
-          const auto bytes = pngOf(*image.get().get());
-          writeText(file, {bytes.begin(), bytes.end()});
+          writeText(file, pngOf(*image.get().get()));
         } catch (const std::exception& error) {
           renderer_->tell(error.what());
         }

@@ -65,7 +65,7 @@ void LiveWindow::point() {
   const bool in_scene = !ImGui::GetIO().WantCaptureMouse;
   const glm::dvec2 at_px = window_->cursor_px();
   const glm::dvec2 on_screen_px = onScreen_px(at_px);
-  const bool clicks = window_->leftButton() && in_scene;
+  const bool clicks = window_->isButtonDown(GLFW_MOUSE_BUTTON_LEFT) && in_scene;
   if (clicks && !clicked_ && window_->hovered()) pressed_px_ = at_px;
   if ((clicks || clicked_) && glm::distance(at_px, pressed_px_) > kClick_px) orbits_ = true;
   if (!clicks) {
@@ -85,8 +85,8 @@ void LiveWindow::point() {
 
 Drag LiveWindow::dragNow() const {
   if (ImGui::GetIO().WantCaptureMouse) return Drag::none;
-  if (window_->rightButton()) return Drag::turn;
-  if (window_->middleButton()) return Drag::pan;
+  if (window_->isButtonDown(GLFW_MOUSE_BUTTON_RIGHT)) return Drag::turn;
+  if (window_->isButtonDown(GLFW_MOUSE_BUTTON_MIDDLE)) return Drag::pan;
   return orbits_ ? Drag::orbit : Drag::none;
 }
 

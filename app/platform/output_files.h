@@ -89,21 +89,20 @@ class OutputFolder {
   OutputFolder(std::filesystem::path folder, const OutputGuard& guard);
 
   /// The temporary path of `name`, with the same name.
-  std::filesystem::path stage(const std::string& name);
+  std::filesystem::path stage(const std::string& name) { return files_.stage(folder_ / name); }
 
-  /// Stages a file with this content. @throws std::runtime_error
-  void write(const std::string& name, const std::string& bytes);
-
-  /// Stages a file that `write_to` writes. @throws std::runtime_error
-  void write(const std::string& name,
-             const std::function<void(const std::filesystem::path&)>& write_to);
+  /// Stages a file with these bytes, or that a function writes. @throws std::runtime_error
+  template <class Content>
+  void write(const std::string& name, const Content& content) {
+    files_.write(folder_ / name, content);
+  }
 
   /// For files elsewhere that appear together with those of the folder.
   OutputFiles& files() { return files_; }
 
   /// Gives every staged file its final name, or none.
   /// @throws InputError, std::runtime_error
-  void commit();
+  void commit() { files_.commit(); }
 
  private:
   std::filesystem::path folder_;

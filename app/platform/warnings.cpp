@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <cstdlib>
+#include <opencv2/core/utils/logger.hpp>
 
-#include "app/platform/listener.h"
 #include "base/text.h"
 
 namespace foci {
@@ -20,6 +21,14 @@ std::atomic<void (*)(const std::string&)> listening = print;
 void say(const std::string& text) { listening.load()(text); }
 
 void sayTo(void (*listener)(const std::string& text)) { listening = listener; }
+
+void quietLibraries() {
+  // OpenCV reads its own variable before `main`.
+  if (!std::getenv("OPENCV_LOG_LEVEL")) {
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  }
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+}
 
 bool Warnings::keep(const std::string& text) {
   if (std::find(all_.begin(), all_.end(), text) != all_.end()) return false;

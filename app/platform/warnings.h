@@ -8,6 +8,12 @@ namespace foci {
 
 /// Prints "foci: TEXT" as one line on standard error. Control characters become escapes.
 void say(const std::string& text);
+/// Another function hears it instead.
+void sayTo(void (*listener)(const std::string& text));
+/// Silences OpenCV and its encoders, unless the environment sets their log levels
+/// (OPENCV_LOG_LEVEL, OPENCV_FFMPEG_LOGLEVEL). Libraries without such a switch are silenced where
+/// they are called (base/quiet_stderr.h).
+void quietLibraries();
 
 /// The warnings of a run: what makes its results other than the user may expect. Each is printed
 /// when it comes, and stands at the top of the run's report and in its manifest.

@@ -26,8 +26,7 @@ constexpr const char* kNoRays =
 Image mapOf(const std::vector<FidelityView>& views) {
   const int tile_px = views.front().tile.size_px.x, step_px = tile_px + kGap_px;
   const int rows = (static_cast<int>(views.size()) + kColumns - 1) / kColumns;
-  Image map{.size_px = glm::ivec2(kColumns, rows) * step_px - kGap_px, .rgb = {}};
-  map.rgb.assign(3u * static_cast<std::size_t>(map.size_px.x) * map.size_px.y, 0);
+  Image map = filledImage(glm::ivec2(kColumns, rows) * step_px - kGap_px, 0);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const std::size_t left = i % kColumns * step_px, top = i / kColumns * step_px;
     const Image& tile = views[i].tile;

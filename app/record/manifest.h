@@ -62,8 +62,9 @@ struct ManifestFacts {
   GazeFacts gaze;
   std::vector<std::string> warnings{};  ///< `Warnings::all` of the run
   const Landings* landings = nullptr;   ///< of a live run; else null
-  std::vector<InputFile> inputs;
-  std::string frames_sha256;  ///< of the 8-bit sRGB bytes of all frames, in order, before encoding
+  std::vector<InputFile> inputs{};
+  std::string
+      frames_sha256{};  ///< of the 8-bit sRGB bytes of all frames, in order, before encoding
 };
 
 std::string manifestJson(const Study& study, const RunSummary& summary, const ManifestFacts& facts);

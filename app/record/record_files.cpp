@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 #include "app/record/tables.h"
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/sources/rows.h"
 #include "render/methods/method.h"
@@ -18,30 +18,12 @@
 namespace foci {
 namespace {
 
-/// The shortest text that reads back as the same number.
-std::string exactly(double value) {
-  std::array<char, 40> text;
-  const auto end = std::to_chars(text.begin(), text.end(), value).ptr;
-  return {text.begin(), end};
+std::string exactly(const std::optional<double>& value) {
+  return value ? exactText(*value) : "n/a";
 }
-
-std::string exactly(const std::optional<double>& value) { return value ? exactly(*value) : "n/a"; }
 
 std::string exactly(const std::optional<glm::dvec2>& point) {
-  return point ? exactly(point->x) + '\t' + exactly(point->y) : "n/a\tn/a";
-}
-
-/// The fields between tabs.
-std::vector<std::string> fieldsOf(std::string_view line) {
-  std::vector<std::string> fields(1);
-  for (const char c : line) {
-    if (c == '\t') {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
-  }
-  return fields;
+  return point ? exactText(point->x) + '\t' + exactText(point->y) : "n/a\tn/a";
 }
 
 double timeIn(const Place& place, std::string_view field, double after_s) {
@@ -59,9 +41,9 @@ double wholeMicroseconds(double time_s) { return std::round(time_s * 1e6) / 1e6;
 GazeTable::GazeTable(const std::filesystem::path& file, const Screen& screen)
     : file_(file.string()), out_(file, std::ios::binary) {
   out_ << "# screen_width_px=" << screen.size_px.x << " screen_height_px=" << screen.size_px.y
-       << " screen_width_m=" << exactly(screen.size_m.x)
-       << " screen_height_m=" << exactly(screen.size_m.y)
-       << " viewing_distance_m=" << exactly(screen.distance_m) << " units=px\n"
+       << " screen_width_m=" << exactText(screen.size_m.x)
+       << " screen_height_m=" << exactText(screen.size_m.y)
+       << " viewing_distance_m=" << exactText(screen.distance_m) << " units=px\n"
        << "time_s\tx_px\ty_px\tblink\tpupil_mm\tuncertainty_deg\tleft_x_px\tleft_y_px\tright_x_px\t"
           "right_y_px\n";
 }
@@ -113,7 +95,7 @@ std::string headRow(const HeadRow& row) {
   const auto& [p, q] = row.head;
   std::string text = decimal(row.time_s, 6) + (row.of_sample ? "\tsample\t" : "\tframe\t") +
                      (row.inferred ? "1" : "0");
-  for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) text += '\t' + exactly(value);
+  for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) text += '\t' + exactText(value);
   return text + '\n';
 }
 
@@ -153,7 +135,7 @@ void giveHeads(const std::vector<HeadRow>& rows, std::vector<GazeSample>& sample
 std::string changesHeader() { return "time_s\tkey\tvalue\n"; }
 
 std::string changeRow(const Change& change) {
-  return decimal(change.time_s, 6) + '\t' + change.key + '\t' + change.toml + '\n';
+  return rowOf(decimal(change.time_s, 6), change.key, change.toml);
 }
 
 std::vector<Change> readChanges(const std::filesystem::path& file) {
@@ -187,8 +169,7 @@ std::vector<TraceMarker> readEventMarkers(const std::filesystem::path& file) {
     markers.push_back({timeIn(lines, std::string(line.substr(0, tab)), -1e12),
                        std::string(line.substr(tab + 1))});
   }
-  std::stable_sort(markers.begin(), markers.end(),
-                   [](const TraceMarker& a, const TraceMarker& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(markers, {}, &TraceMarker::time_s);
   return markers;
 }
 

@@ -29,8 +29,7 @@ RunEvents eventsOfRun(const Study& study, const GazeTrace& trace, double from_s,
 }
 
 std::size_t countOf(const std::vector<GazeEvent>& events, GazeState kind) {
-  return static_cast<std::size_t>(std::count_if(
-      events.begin(), events.end(), [&](const GazeEvent& event) { return event.kind == kind; }));
+  return static_cast<std::size_t>(std::ranges::count(events, kind, &GazeEvent::kind));
 }
 
 }  // namespace foci

@@ -1,5 +1,6 @@
 #include "app/record/tables.h"
 #include "base/file.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/sources/trials.h"
 
@@ -13,16 +14,16 @@ constexpr int kTimeDigits = 6, kPointDigits = 2, kLengthDigits = 4, kDioptreDigi
               kTurnDigits = 6;
 
 std::string pointOrAbsent(const std::optional<glm::dvec2>& point_px) {
-  return point_px ? decimal(point_px->x, kPointDigits) + "\t" + decimal(point_px->y, kPointDigits)
-                  : "n/a\tn/a";
+  if (!point_px) return "n/a\tn/a";
+  return tabbed(decimal(point_px->x, kPointDigits), decimal(point_px->y, kPointDigits));
 }
 
 std::string vergenceFields(const EyeNow& eye) {
   if (!eye.vergence) return "n/a\tn/a\tn/a";
   const auto disagrees = vergenceDisagrees(eye);
-  return decimal(eye.vergence->value_D, kDioptreDigits) + '\t' +
-         decimal(eye.vergence->error_D, kDioptreDigits) + '\t' +
-         (disagrees ? *disagrees ? "1" : "0" : "n/a");
+  return tabbed(decimal(eye.vergence->value_D, kDioptreDigits),
+                decimal(eye.vergence->error_D, kDioptreDigits),
+                disagrees ? *disagrees ? "1" : "0" : "n/a");
 }
 
 std::string poseFields(const FrameRecord& record) {
@@ -52,18 +53,17 @@ FrameTable::FrameTable(const std::filesystem::path& file, std::vector<TraceTrial
 
 void FrameTable::add(std::size_t frame, const FrameRecord& record) {
   const EyeNow& eye = record.eye;
-  out_ << frame << '\t' << decimal(record.time_s, kTimeDigits) << '\t'
-       << (eye.sample ? decimal(eye.sample->time_s, kTimeDigits) : "n/a") << '\t'
-       << pointOrAbsent(record.gaze_px) << '\t' << nameOf(eye.state) << '\t'
-       << orAbsent(eye.surface_distance_m, kLengthDigits) << '\t'
-       << orAbsent(eye.target_D, kDioptreDigits) << '\t' << decimal(eye.focus_D, kDioptreDigits)
-       << '\t' << decimal(record.pupil_mm, 3) << '\t' << record.method << '\t'
-       << record.stats.splats << '\t' << record.stats.fragments << '\t'
-       << orAbsent(record.stats.tolerance_error, 2) << '\t'
-       << (record.stats.tolerance_met ? *record.stats.tolerance_met ? "1" : "0" : "n/a") << '\t'
-       << (record.stats.quality_level ? textOf(*record.stats.quality_level) : "n/a") << '\t'
-       << vergenceFields(eye) << '\t' << poseFields(record) << '\t'
-       << trialAt(trials_, record.time_s) << '\t' << decimal(record.stats.ms, 3) << '\n';
+  const RenderStats& stats = record.stats;
+  out_ << rowOf(frame, decimal(record.time_s, kTimeDigits),
+                eye.sample ? decimal(eye.sample->time_s, kTimeDigits) : "n/a",
+                pointOrAbsent(record.gaze_px), nameOf(eye.state),
+                orAbsent(eye.surface_distance_m, kLengthDigits),
+                orAbsent(eye.target_D, kDioptreDigits), decimal(eye.focus_D, kDioptreDigits),
+                decimal(record.pupil_mm, 3), record.method, stats.splats, stats.fragments,
+                orAbsent(stats.tolerance_error, 2),
+                stats.tolerance_met ? *stats.tolerance_met ? "1" : "0" : "n/a",
+                stats.quality_level ? textOf(*stats.quality_level) : "n/a", vergenceFields(eye),
+                poseFields(record), trialAt(trials_, record.time_s), decimal(stats.ms, 3));
   if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 
@@ -79,11 +79,11 @@ std::string eventTable(const std::vector<GazeEvent>& events, const std::vector<T
       "peak_velocity_deg_s";
   table += detector ? "\tprobability\tdetector\ttrial\n" : "\ttrial\n";
   for (const GazeEvent& event : events) {
-    table += std::string(nameOf(event.kind)) + '\t' + decimal(event.onset_s, kTimeDigits) + '\t' +
-             decimal(event.duration_s, kTimeDigits) + '\t' + pointOrAbsent(event.position_px) +
-             '\t' + pointOrAbsent(event.start_px) + '\t' + orAbsent(event.amplitude_deg, 3) + '\t' +
-             orAbsent(event.peak_velocity_deg_s, 1);
-    if (detector) table += '\t' + orAbsent(event.probability, 3) + '\t' + labelOf(*detector);
+    table += tabbed(nameOf(event.kind), decimal(event.onset_s, kTimeDigits),
+                    decimal(event.duration_s, kTimeDigits), pointOrAbsent(event.position_px),
+                    pointOrAbsent(event.start_px), orAbsent(event.amplitude_deg, 3),
+                    orAbsent(event.peak_velocity_deg_s, 1));
+    if (detector) table += '\t' + tabbed(orAbsent(event.probability, 3), labelOf(*detector));
     table += '\t' + trialAt(trials, event.onset_s) + '\n';
   }
   return table;

@@ -11,6 +11,7 @@
 #include "app/study/recorded_head.h"
 #include "base/parallel.h"
 #include "base/quantile.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/focus/vergence.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -431,9 +432,7 @@ std::string verdictText(const AlignmentSearch& search) {
 std::string alignmentToml(const SceneAlignment& alignment) {
   const glm::dvec4 r = glm::normalize(alignment.rotation);
   const auto list = [](std::initializer_list<double> values, int digits) {
-    std::string text;
-    for (const double each : values) text += (text.empty() ? "" : ", ") + decimal(each, digits);
-    return "[" + text + "]";
+    return "[" + listed(values, ", ", [&](double each) { return decimal(each, digits); }) + "]";
   };
   return "[gaze]\nscene_rotation = " + list({r.x, r.y, r.z, r.w}, 6) +
          "\nscene_scale = " + significant(alignment.scale, 5) + "\nscene_offset_m = " +

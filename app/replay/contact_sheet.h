@@ -17,7 +17,7 @@ struct SheetImage {
   GazeState state = GazeState::lost;
   double focus_D = 0.0;
   std::optional<double> surface_distance_m;
-  std::vector<std::uint8_t> jpeg;
+  std::string jpeg;
 };
 
 /// Divides the replay into equal stretches and takes a frame of each: the one at which a fixation

@@ -13,6 +13,7 @@
 #include "app/replay/heatmap.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 
@@ -41,9 +42,8 @@ struct FigureRun {
     std::set<std::string> names;
     for (const RunFrame& frame : frames) names.insert(frame.trial);
     if (!names.contains(*trial)) {
-      std::string all;
-      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + visible(name);
-      throw InputError("--trial " + *trial, "expected a trial of the run: " + all);
+      throw InputError("--trial " + *trial,
+                       "expected a trial of the run: " + listed(names, ", ", visible));
     }
     const auto other = [&](const auto& one) { return one.trial != *trial; };
     std::erase_if(frames, other);

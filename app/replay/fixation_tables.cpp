@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "app/record/tables.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/events/online_events.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string pairText(const glm::dvec2& pair, int digits) {
-  return decimal(pair.x, digits) + '\t' + decimal(pair.y, digits);
+  return tabbed(decimal(pair.x, digits), decimal(pair.y, digits));
 }
 
 /// "01" of "sub-01_task-look" for "sub-"; empty if a name has no such part.
@@ -34,41 +35,39 @@ std::string entityIn(const std::string& name, std::string_view entity) {
 }
 
 /// The columns of the recording and of an event's time.
-constexpr const char* kWho = "recording\tsubject\tsession\ttrial\ttrial_type\t";
+constexpr const char* kWho = "recording\tsubject\tsession\ttrial\ttrial_type";
 
 std::string whoText(const RecordingName& name, const std::vector<TraceTrial>& trials,
                     double time_s) {
   const TraceTrial* const trial = trialDuring(trials, time_s);
-  return name.recording + '\t' + name.subject + '\t' + name.session + '\t' +
-         trialAt(trials, time_s) + '\t' +
-         (trial == nullptr || trial->type.empty() ? "n/a" : visible(trial->type)) + '\t';
+  const bool typed = trial != nullptr && !trial->type.empty();
+  return tabbed(name.recording, name.subject, name.session, trialAt(trials, time_s),
+                typed ? visible(trial->type) : "n/a");
 }
 
 std::string timesText(const GazeEvent& event) {
-  return decimal(event.onset_s, 6) + '\t' + decimal(event.onset_s + event.duration_s, 6) + '\t' +
-         decimal(event.duration_s, 6) + '\t';
+  return tabbed(decimal(event.onset_s, 6), decimal(event.onset_s + event.duration_s, 6),
+                decimal(event.duration_s, 6));
 }
 
 /// A point in px and in degrees from the centre of the screen.
 std::string placeText(const Screen& screen, const std::optional<glm::dvec2>& point_px) {
-  if (!point_px) return "n/a\tn/a\tn/a\tn/a\t";
-  return pairText(*point_px, 2) + '\t' +
-         pairText(eccentricity_deg(screen, *point_px) -
-                      eccentricity_deg(screen, 0.5 * glm::dvec2(screen.size_px)),
-                  3) +
-         '\t';
+  if (!point_px) return "n/a\tn/a\tn/a\tn/a";
+  const glm::dvec2 middle_deg = eccentricity_deg(screen, 0.5 * glm::dvec2(screen.size_px));
+  return tabbed(pairText(*point_px, 2),
+                pairText(eccentricity_deg(screen, *point_px) - middle_deg, 3));
 }
 
 std::string offScreenText(const Screen& screen, const std::optional<glm::dvec2>& point_px) {
-  if (!point_px) return "n/a\t";
+  if (!point_px) return "n/a";
   const bool inside = glm::all(glm::greaterThanEqual(*point_px, glm::dvec2(0.0))) &&
                       glm::all(glm::lessThanEqual(*point_px, glm::dvec2(screen.size_px)));
-  return inside ? "0\t" : "1\t";
+  return inside ? "0" : "1";
 }
 
 std::string worldText(const glm::dvec3& direction, const glm::dvec3& up) {
-  if (direction == glm::dvec3(0.0)) return "n/a\tn/a\t";
-  return pairText(azimuthElevation_deg(direction, up), 3) + '\t';
+  if (direction == glm::dvec3(0.0)) return "n/a\tn/a";
+  return pairText(azimuthElevation_deg(direction, up), 3);
 }
 
 /// Root mean square of the angle from sample to sample, and mean pupil, of the samples of an event.
@@ -124,18 +123,15 @@ struct EyeDuring {
 
 /// The surface, the eye's focus and the blur of a fixation.
 std::string focusText(const SightFixation& sight, const EyeDuring& eye, const Screen& screen) {
-  std::optional<double> defocus_D, blur_rad;
+  std::optional<double> defocus_D, blur_arcmin, blur_px;
   if (sight.hit && eye.focus_D) {
     defocus_D = *eye.focus_D - sight.surface_D;
-    blur_rad = 0.5e-3 * *eye.pupil_mm * std::abs(*defocus_D);
+    const double blur_rad = 0.5e-3 * *eye.pupil_mm * std::abs(*defocus_D);
+    blur_arcmin = kArcminPerRad * blur_rad;
+    blur_px = screen.distance_m * screen.size_px.x / screen.size_m.x * blur_rad;
   }
-  const double px_per_rad = screen.distance_m * screen.size_px.x / screen.size_m.x;
-  std::string text = orAbsent(eye.focus_D, 4) + '\t' + orAbsent(eye.focus_end_D, 4) + '\t' +
-                     orAbsent(defocus_D, 4) + '\t';
-  text += blur_rad ? decimal(kArcminPerRad * *blur_rad, 3) + '\t' +
-                         decimal(px_per_rad * *blur_rad, 3) + '\t'
-                   : "n/a\tn/a\t";
-  return text + orAbsent(eye.pupil_mm, 3) + '\t';
+  return tabbed(orAbsent(eye.focus_D, 4), orAbsent(eye.focus_end_D, 4), orAbsent(defocus_D, 4),
+                orAbsent(blur_arcmin, 3), orAbsent(blur_px, 3), orAbsent(eye.pupil_mm, 3));
 }
 
 /// The saccade that ends where an event begins; null: there is none.
@@ -145,9 +141,9 @@ const GazeEvent* saccadeBefore(const std::vector<GazeEvent>& events, std::size_t
 }
 
 std::string saccadeText(const GazeEvent* saccade) {
-  if (saccade == nullptr) return "n/a\tn/a\tn/a\t";
-  return orAbsent(saccade->amplitude_deg, 3) + '\t' + decimal(saccade->duration_s, 6) + '\t' +
-         orAbsent(saccade->peak_velocity_deg_s, 1) + '\t';
+  if (saccade == nullptr) return "n/a\tn/a\tn/a";
+  return tabbed(orAbsent(saccade->amplitude_deg, 3), decimal(saccade->duration_s, 6),
+                orAbsent(saccade->peak_velocity_deg_s, 1));
 }
 
 }  // namespace
@@ -176,7 +172,7 @@ std::string fixationTable(const Study& study, const ReplayedGaze& gaze, const Ru
   const RecordingName name = recordingNameOf(study);
   const bool has_head = gaze.trace.samples.front().head.has_value();
   std::string table = std::string(kWho) +
-                      "fixation\tonset_s\tend_s\tduration_s\tx_px\ty_px\tx_deg\ty_deg\t"
+                      "\tfixation\tonset_s\tend_s\tduration_s\tx_px\ty_px\tx_deg\ty_deg\t"
                       "world_azimuth_deg\tworld_elevation_deg\trms_s2s_deg\toff_screen\tobject\t"
                       "object_share\tpoint_x_m\tpoint_y_m\tpoint_z_m\tdistance_m\tsurface_D\t"
                       "focus_D\tfocus_end_D\tdefocus_D\tblur_radius_arcmin\tblur_radius_px\t"
@@ -188,21 +184,20 @@ std::string fixationTable(const Study& study, const ReplayedGaze& gaze, const Ru
     if (event.kind != GazeState::fixation) continue;
     const SightFixation& sight = in_scene.fixations[number++];
     const SamplesOfEvent samples(gaze.trace, event);
-    table += whoText(name, gaze.trials, event.onset_s) + std::to_string(number) + '\t' +
-             timesText(event) + placeText(screen, event.position_px) +
-             worldText(has_head ? sight.direction : glm::dvec3(0.0), in_scene.up) +
-             orAbsent(samples.rms_s2s_deg, 4) + '\t' + offScreenText(screen, event.position_px) +
-             objectText(in_scene, sight.hit) + '\t';
+    std::string met = "n/a\tn/a\tn/a\tn/a\tn/a\tn/a";
     if (sight.hit) {
-      table += (sight.hit->object == 0 ? "n/a" : decimal(sight.share, 3)) + '\t' +
-               vectorText(sight.hit->point_m, 4) + '\t' + decimal(sight.hit->distance_m, 4) + '\t' +
-               decimal(sight.surface_D, 4) + '\t';
-    } else {
-      table += "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\t";
+      met = tabbed(sight.hit->object == 0 ? "n/a" : decimal(sight.share, 3),
+                   vectorText(sight.hit->point_m, 4), decimal(sight.hit->distance_m, 4),
+                   decimal(sight.surface_D, 4));
     }
-    table += focusText(sight, EyeDuring(frames, event), screen) +
-             pupilText(samples.pupil_mm, samples.pupil_own, gaze.trace.pupil_unit) + '\t' +
-             saccadeText(saccadeBefore(judged.events, i)) + orAbsent(event.probability, 3) + '\n';
+    table += rowOf(whoText(name, gaze.trials, event.onset_s), number, timesText(event),
+                   placeText(screen, event.position_px),
+                   worldText(has_head ? sight.direction : glm::dvec3(0.0), in_scene.up),
+                   orAbsent(samples.rms_s2s_deg, 4), offScreenText(screen, event.position_px),
+                   objectText(in_scene, sight.hit), met,
+                   focusText(sight, EyeDuring(frames, event), screen),
+                   pupilText(samples.pupil_mm, samples.pupil_own, gaze.trace.pupil_unit),
+                   saccadeText(saccadeBefore(judged.events, i)), orAbsent(event.probability, 3));
   }
   return table;
 }
@@ -212,7 +207,7 @@ std::string saccadeTable(const Study& study, const ReplayedGaze& gaze, const Run
   const Screen screen = study.screenInForce();
   const RecordingName name = recordingNameOf(study);
   std::string table = std::string(kWho) +
-                      "saccade\tonset_s\tend_s\tduration_s\tstart_x_px\tstart_y_px\tstart_x_deg\t"
+                      "\tsaccade\tonset_s\tend_s\tduration_s\tstart_x_px\tstart_y_px\tstart_x_deg\t"
                       "start_y_deg\tx_px\ty_px\tx_deg\ty_deg\toff_screen\tamplitude_deg\t"
                       "peak_velocity_deg_s\tfrom_object\tto_object\tprobability\n";
   const std::vector<SightFixation>& fixations = in_scene.fixations;
@@ -223,12 +218,12 @@ std::string saccadeTable(const Study& study, const ReplayedGaze& gaze, const Run
     const auto objectOf = [&](std::size_t fixation) {
       return fixation < fixations.size() ? objectText(in_scene, fixations[fixation].hit) : "n/a";
     };
-    table += whoText(name, gaze.trials, event.onset_s) + std::to_string(++number) + '\t' +
-             timesText(event) + placeText(screen, event.start_px) +
-             placeText(screen, event.position_px) + offScreenText(screen, event.position_px) +
-             orAbsent(event.amplitude_deg, 3) + '\t' + orAbsent(event.peak_velocity_deg_s, 1) +
-             '\t' + (fixations_before > 0 ? objectOf(fixations_before - 1) : "n/a") + '\t' +
-             objectOf(fixations_before) + '\t' + orAbsent(event.probability, 3) + '\n';
+    table += rowOf(whoText(name, gaze.trials, event.onset_s), ++number, timesText(event),
+                   placeText(screen, event.start_px), placeText(screen, event.position_px),
+                   offScreenText(screen, event.position_px), orAbsent(event.amplitude_deg, 3),
+                   orAbsent(event.peak_velocity_deg_s, 1),
+                   fixations_before > 0 ? objectOf(fixations_before - 1) : "n/a",
+                   objectOf(fixations_before), orAbsent(event.probability, 3));
   }
   return table;
 }

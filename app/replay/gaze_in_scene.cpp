@@ -11,6 +11,7 @@
 #include "app/session/eye_path.h"
 #include "app/study/session_settings_of.h"
 #include "base/parallel.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/trials.h"
@@ -219,7 +220,7 @@ glm::dvec2 azimuthElevation_deg(const glm::dvec3& direction, const glm::dvec3& u
 }
 
 std::string vectorText(const glm::dvec3& v, int digits) {
-  return decimal(v.x, digits) + '\t' + decimal(v.y, digits) + '\t' + decimal(v.z, digits);
+  return tabbed(decimal(v.x, digits), decimal(v.y, digits), decimal(v.z, digits));
 }
 
 std::optional<double> ownPupilOf(const GazeSample& sample) {
@@ -232,7 +233,7 @@ std::optional<double> ownPupilOf(const GazeSample& sample) {
 std::string pupilText(const std::optional<double>& pupil_mm, const std::optional<double>& pupil_own,
                       const std::string& own_unit) {
   if (pupil_mm) return decimal(*pupil_mm, 3) + "\tmm";
-  return pupil_own ? decimal(*pupil_own, 3) + '\t' + own_unit : "n/a\tn/a";
+  return pupil_own ? tabbed(decimal(*pupil_own, 3), own_unit) : "n/a\tn/a";
 }
 
 std::string objectText(const GazeInScene& gaze, const std::optional<SightHit>& hit) {
@@ -311,18 +312,16 @@ std::string sightTable(const GazeInScene& gaze, const std::vector<TraceTrial>& t
       "direction_z\tpoint_x_m\tpoint_y_m\tpoint_z_m\tdistance_m\tnormal_x\tnormal_y\tnormal_z\t"
       "object\tpupil\tpupil_unit\ttrial\n";
   for (const SightSample& sample : gaze.samples) {
-    table += decimal(sample.time_s, 6) + '\t' + std::string(nameOf(sample.state)) + '\t' +
-             vectorText(sample.origin_m, 4) + '\t' +
-             (sample.valid ? vectorText(sample.direction, 6) : "n/a\tn/a\tn/a") + '\t';
+    std::string met = "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a";
     if (sample.hit) {
-      table += vectorText(sample.hit->point_m, 4) + '\t' + decimal(sample.hit->distance_m, 4) +
-               '\t' + normalText(sample.hit->normal) + '\t';
-    } else {
-      table += "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\t";
+      met = tabbed(vectorText(sample.hit->point_m, 4), decimal(sample.hit->distance_m, 4),
+                   normalText(sample.hit->normal));
     }
-    table += objectText(gaze, sample.hit) + '\t' +
-             pupilText(sample.pupil_mm, sample.pupil_own, pupil_unit) + '\t' +
-             trialAt(trials, sample.time_s) + '\n';
+    table += rowOf(decimal(sample.time_s, 6), nameOf(sample.state), vectorText(sample.origin_m, 4),
+                   sample.valid ? vectorText(sample.direction, 6) : "n/a\tn/a\tn/a", met,
+                   objectText(gaze, sample.hit),
+                   pupilText(sample.pupil_mm, sample.pupil_own, pupil_unit),
+                   trialAt(trials, sample.time_s));
   }
   return table;
 }
@@ -349,9 +348,9 @@ std::string objectTable(const GazeInScene& gaze, const std::vector<TraceTrial>& 
     looks.erase(found);
     for (std::size_t i = 1; i < objects.size(); ++i) {
       const ObjectLooks& object = objects[i];
-      table += trial + '\t' + visible(object.name) + '\t' + orAbsent(object.first_look_s, 6) +
-               '\t' + decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
-               std::to_string(object.visits) + '\t' + orAbsent(object.mean_distance_m, 4) + '\n';
+      table += rowOf(trial, visible(object.name), orAbsent(object.first_look_s, 6),
+                     decimal(object.dwell_s, 4), object.fixations, object.visits,
+                     orAbsent(object.mean_distance_m, 4));
     }
   }
   return table;

@@ -9,6 +9,7 @@
 #include "app/study/recorded_head.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 
 namespace foci {
 namespace {
@@ -42,11 +43,7 @@ std::string devicesOf(const std::vector<Part>& parts, Warnings& warnings) {
   for (const Part& part : parts) {
     if (std::ranges::find(devices, part.device) == devices.end()) devices.push_back(part.device);
   }
-  std::string text;
-  for (const std::string& device : devices) {
-    if (!text.empty()) text += "; ";
-    text += device;
-  }
+  std::string text = listed(devices, "; ");
   if (devices.size() > 1) {
     warnings.add("the parts were rendered on " + text + ": they may differ in rounding");
   }

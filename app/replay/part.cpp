@@ -184,10 +184,9 @@ std::vector<PartFrame> renderSpan(ReplayedEye& eye, const FrameSpan& span, Outpu
     eye.requireParts(i);
     if (frame.seen.record.rendered || i == span.first) {
       const Image image = imageOf(seen, eye.study().screen.gamma);
-      const auto png = pngOf(image);
       frame.image = imageFileName(i);
       frame.sha256 = sha256Of(bytesOf(image));
-      folder.write(frame.image, {png.begin(), png.end()});
+      folder.write(frame.image, pngOf(image));
     }
     for (const auto& map :
          stageMaps(eye.study().output.maps, i, seen, frame.seen.record.eye.focus_D, folder)) {
@@ -310,8 +309,7 @@ Study statedStudyOf(const Part& part) {
 
 Image imageOf(const Part& part, const PartFrame& frame, const glm::ivec2& size_px) {
   const std::filesystem::path file = part.folder / frame.image;
-  const std::string bytes = bytesOfFile(file, kMostBytes);
-  Image image = imageOfPng({bytes.begin(), bytes.end()}, size_px);
+  Image image = imageOfPng(bytesOfFile(file, kMostBytes), size_px);
   if (sha256Of(bytesOf(image)) != frame.sha256) refuseAltered(file, "image");
   return image;
 }

@@ -13,6 +13,7 @@
 #include "app/replay/fixation_tables.h"
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/webcam/webcam_frames.h"
 
@@ -203,17 +204,13 @@ std::string recordingsTable(const std::vector<BatchResult>& results) {
       "frames_rendered\trendered_ms\tproblem\n";
   for (const BatchResult& result : results) {
     const RunSummary& run = result.run.summary;
-    table += visible(result.recording.trace) + "\t" + visible(result.recording.name) + "\t";
-    if (!result.problem.empty()) {
-      for (int column = 2; column < 10; ++column) table += "n/a\t";
-      table += visible(result.problem) + "\n";
-      continue;
-    }
-    table += std::to_string(run.frames) + "\t" + decimal(run.duration_s, 3) + "\t" +
-             decimal(run.gaze_valid, 4) + "\t" + std::to_string(run.fixations) + "\t" +
-             std::to_string(run.saccades) + "\t" + decimal(run.pupil_mm, 3) + "\t" +
-             std::to_string(run.frames_rendered) + "\t" + decimal(run.rendered_ms_median, 3) +
-             "\tn/a\n";
+    const std::string figures =
+        result.problem.empty()
+            ? tabbed(run.frames, decimal(run.duration_s, 3), decimal(run.gaze_valid, 4),
+                     run.fixations, run.saccades, decimal(run.pupil_mm, 3), run.frames_rendered,
+                     decimal(run.rendered_ms_median, 3), "n/a")
+            : tabbed("n/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a", visible(result.problem));
+    table += rowOf(visible(result.recording.trace), visible(result.recording.name), figures);
   }
   return table;
 }

@@ -59,7 +59,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   const bool sparse = !gaze_px;
   while (!gaze_px && !settings.focus.fixed_D && settings.focus.coverage > kLeastCoverage) {
     settings.focus.coverage *= 0.25;
-    settings.focus.cone_half_angle_deg = std::max(settings.focus.cone_half_angle_deg, kWide_deg);
+    settings.focus.cone_deg = std::max(settings.focus.cone_deg, kWide_deg);
     session.changeSettings(settings);
     gaze_px = session.middleSurface_px(0.0);
   }

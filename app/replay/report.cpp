@@ -14,6 +14,7 @@
 #include "app/replay/report_scene.h"
 #include "base/base64.h"
 #include "base/file.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/sources/trials.h"
 #include "render/optics/defocus.h"
@@ -48,8 +49,7 @@ std::string pupilCell(const ReportFacts& facts) {
   const std::string median = decimal(summary.pupil_mm, 1) + " mm";
   const auto diameters = valuesOf(facts.run.changes, "observer.pupil_mm");
   if (pupil == PupilModel::fixed && !diameters.empty()) {
-    std::string all;
-    for (const std::string& one : diameters) all += (all.empty() ? "" : ", ") + one;
+    std::string all = listed(diameters);
     if (diameters.size() > kMaxDiameters) {
       all = decimal(facts.pupil_min_mm, 1) + " to " + decimal(facts.pupil_max_mm, 1);
     }

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "app/graphics/html.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 
@@ -91,13 +92,6 @@ if (chart) {
 
 std::string json(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "null";
-}
-
-std::vector<std::string> fieldsOf(const std::string& line) {
-  std::vector<std::string> fields;
-  std::istringstream in(line);
-  for (std::string field; std::getline(in, field, '\t');) fields.push_back(field);
-  return fields;
 }
 
 }  // namespace

@@ -80,8 +80,7 @@ std::vector<RunMark> marksOf(const RunChanges& run) {
          .is_change = true,
          .text = change.key + ": " + shownValue(change.from) + " to " + shownValue(change.to)});
   }
-  std::stable_sort(marks.begin(), marks.end(),
-                   [](const RunMark& a, const RunMark& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(marks, {}, &RunMark::time_s);
   return marks;
 }
 

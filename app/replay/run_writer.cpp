@@ -1,6 +1,7 @@
 #include "app/replay/run_writer.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "app/graphics/image.h"
@@ -10,8 +11,8 @@
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"
 #include "app/replay/methods_text.h"
-#include "app/replay/report.h"
 #include "app/study/study_words.h"
+#include "base/quantile.h"
 #include "base/text.h"
 
 namespace foci {
@@ -47,6 +48,22 @@ void countDataLoss(const GazeTrace& trace, const Schedule& schedule, ReportFacts
   }
 }
 
+ChartRow chartRow(const FrameRecord& record) {
+  constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+  const auto& surface_m = record.eye.surface_distance_m;
+  return {.time_s = record.time_s,
+          .gaze_x_px = record.gaze_px ? record.gaze_px->x : kAbsent,
+          .gaze_y_px = record.gaze_px ? record.gaze_px->y : kAbsent,
+          .surface_D = surface_m ? 1.0 / *surface_m : kAbsent,
+          .target_D = record.eye.target_D.value_or(kAbsent),
+          .focus_D = record.eye.focus_D,
+          .pupil_mm = record.pupil_mm,
+          .render_ms = record.stats.ms,
+          .state = record.eye.state,
+          .vergence_D = record.eye.vergence ? record.eye.vergence->value_D : kAbsent,
+          .world_from_eye = record.world_from_eye};
+}
+
 /// The figures of the run, once its frames are rendered.
 RunSummary summaryOf(const Schedule& schedule, const std::vector<GazeEvent>& events,
                      FrameStatistics& statistics, const ReportFacts& facts,
@@ -64,6 +81,42 @@ RunSummary summaryOf(const Schedule& schedule, const std::vector<GazeEvent>& eve
 }
 
 }  // namespace
+
+void FrameStatistics::add(const FrameRecord& record) {
+  if (record.stats.tolerance_met == false && frames_over_++ == 0) {
+    first_over_s_ = record.time_s;
+  }
+  worst_error_ = std::max(worst_error_, record.stats.tolerance_error.value_or(0.0));
+  frames_without_gaze_ +=
+      record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
+  pupil_mm_.push_back(static_cast<float>(record.pupil_mm));
+  render_ms_.push_back(static_cast<float>(record.stats.ms));
+  if (record.rendered) rendered_ms_.push_back(render_ms_.back());
+  splats_.push_back(static_cast<std::uint32_t>(record.stats.splats));
+  charts_.add(chartRow(record));
+}
+
+void FrameStatistics::fill(RunSummary& summary) {
+  summary.frames = render_ms_.size();
+  summary.render_ms_median = quantile(render_ms_, 0.5);
+  summary.render_ms_p95 = quantile(render_ms_, 0.95);
+  summary.frames_rendered = rendered_ms_.size();
+  summary.rendered_ms_median = rendered_ms_.empty() ? 0.0 : quantile(rendered_ms_, 0.5);
+  summary.rendered_ms_p95 = rendered_ms_.empty() ? 0.0 : quantile(rendered_ms_, 0.95);
+  summary.splats = quantile(splats_, 0.5);
+  summary.pupil_mm = quantile(pupil_mm_, 0.5);
+}
+
+void FrameStatistics::fill(ReportFacts& facts) const {
+  facts.rows = charts_.rows();
+  facts.frames_without_gaze = frames_without_gaze_;
+  facts.frames_over = frames_over_;
+  facts.first_over_s = first_over_s_;
+  facts.worst_error = worst_error_;
+  const auto [min, max] = std::minmax_element(pupil_mm_.begin(), pupil_mm_.end());
+  facts.pupil_min_mm = *min;
+  facts.pupil_max_mm = *max;
+}
 
 std::string imageFileName(std::size_t frame) {
   return kImage + printed("%06zu", frame) + kImageEnd;
@@ -123,10 +176,7 @@ void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image
   eyes_.push_back({seen.record.time_s, seen.record.eye.focus_D, seen.record.pupil_mm});
   agreement_.add(seen.record);
   hash_.add(shown.rgb);
-  if (study_.output.images) {
-    const auto png = pngOf(shown);
-    folder_.write(imageFileName(frame), {png.begin(), png.end()});
-  }
+  if (study_.output.images) folder_.write(imageFileName(frame), pngOf(shown));
   video_.push(std::move(shown));
 }
 

@@ -1,7 +1,9 @@
 // The files of a run: video, tables, manifest, report.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,10 +15,12 @@
 #include "app/record/tables.h"
 #include "app/replay/contact_sheet.h"
 #include "app/replay/fixation_tables.h"
-#include "app/replay/frame_statistics.h"
 #include "app/replay/replay_inputs.h"
 #include "app/replay/replayed_eye.h"
+#include "app/replay/report.h"
+#include "app/replay/report_charts.h"
 #include "app/replay/surface_agreement.h"
+#include "app/session/frame_record.h"
 
 namespace foci {
 
@@ -33,6 +37,22 @@ struct RunFacts {
 struct RunResult {
   RunSummary summary;
   SheetImage image;  ///< from the middle of the contact sheet
+};
+
+/// What the frames of a run add up to.
+class FrameStatistics {
+ public:
+  void add(const FrameRecord& record);
+
+  void fill(RunSummary& summary);
+  void fill(ReportFacts& facts) const;
+
+ private:
+  ChartSeries charts_{};
+  std::vector<float> render_ms_{}, rendered_ms_{}, pupil_mm_{};
+  std::vector<std::uint32_t> splats_{};
+  std::size_t frames_without_gaze_ = 0, frames_over_ = 0;
+  double first_over_s_ = 0.0, worst_error_ = 0.0;
 };
 
 /// If `finish` is not called, no file stays, and a new folder is removed.

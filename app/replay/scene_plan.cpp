@@ -46,9 +46,8 @@ struct Paper {
 /// The points as discs, nearer ones over farther ones, on white.
 Image imageOn(const Paper& paper, const std::vector<SceneView::Point>& points) {
   const glm::ivec2 size = paper.size_px;
-  const std::size_t pixels = std::size_t(size.x) * std::size_t(size.y);
-  Image image{.size_px = size, .rgb = std::vector<std::uint8_t>(3 * pixels, 255)};
-  std::vector<float> depth_m(pixels, -std::numeric_limits<float>::infinity());
+  Image image = filledImage(size, 255);
+  std::vector<float> depth_m(image.rgb.size() / 3, -std::numeric_limits<float>::infinity());
   for (const SceneView::Point& point : points) {
     const float near_m = paper.seen(point.at_m).z;
     if (near_m > paper.nearest_m) continue;

@@ -44,8 +44,7 @@ SceneVoxels::SceneVoxels(const SurfelCloud& cloud, const glm::dvec3& low_m,
       continue;
     }
     const glm::ivec3 at = glm::min(glm::ivec3((p - low_m_) / cube_m_), count_ - 1);
-    full_[(std::size_t(at.z) * std::size_t(count_.y) + std::size_t(at.y)) * std::size_t(count_.x) +
-          std::size_t(at.x)] = 1;
+    full_[indexOf(at)] = 1;
   }
 }
 
@@ -78,9 +77,7 @@ std::optional<double> SceneVoxels::distance_m(const glm::dvec3& origin_m,
   }
   for (double from = enter;;) {
     const int axis = next.x < next.y ? (next.x < next.z ? 0 : 2) : (next.y < next.z ? 1 : 2);
-    if (full_[(std::size_t(at.z) * std::size_t(count_.y) + std::size_t(at.y)) *
-                  std::size_t(count_.x) +
-              std::size_t(at.x)]) {
+    if (full_[indexOf(at)]) {
       return from == 0.0 ? 0.0 : cube_m_ * 0.5 * (from + next[axis]);
     }
     from = next[axis];

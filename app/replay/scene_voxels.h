@@ -30,6 +30,11 @@ class SceneVoxels {
   double cube_m() const { return cube_m_; }
 
  private:
+  std::size_t indexOf(const glm::ivec3& at) const {
+    return (std::size_t(at.z) * std::size_t(count_.y) + std::size_t(at.y)) * std::size_t(count_.x) +
+           std::size_t(at.x);
+  }
+
   glm::dvec3 low_m_;
   double cube_m_ = 0.0;
   glm::ivec3 count_{0};

@@ -29,14 +29,28 @@ bool EyePath::operator==(const EyePath& other) const {
          source_ == other.source_;
 }
 
+namespace {
+
+/// The neighbours of a time, and the share of the later one.
+template <class At>
+struct Neighbours {
+  const At &from, &to;
+  double share;
+};
+
+template <class At>
+Neighbours<At> neighboursOf(const std::vector<At>& all, double time_s) {
+  const auto after = std::ranges::upper_bound(all, time_s, {}, &At::time_s);
+  const At& to = after == all.end() ? all.back() : *after;
+  const At& from = after == all.begin() ? all.front() : *std::prev(after);
+  const double length_s = to.time_s - from.time_s;
+  return {from, to, &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / length_s, 0.0, 1.0)};
+}
+
+}  // namespace
+
 glm::mat4 EyePath::headFromWorldAt(double time_s) const {
-  const auto after =
-      std::upper_bound(poses_->begin(), poses_->end(), time_s,
-                       [](double time, const TrackedPose& pose) { return time < pose.time_s; });
-  const TrackedPose& to = after == poses_->end() ? poses_->back() : *after;
-  const TrackedPose& from = after == poses_->begin() ? poses_->front() : *std::prev(after);
-  const double share =
-      &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
+  const auto [from, to, share] = neighboursOf(*poses_, time_s);
   // At a pose itself, the pose: a live run does not know the next one.
   const glm::dquat world_from_eye =
       share == 0.0 ? from.world_from_eye
@@ -49,12 +63,7 @@ glm::mat4 EyePath::headFromWorldAt(double time_s) const {
 
 glm::mat4 EyePath::eyeFromWorldAt(double time_s) const {
   if (poses_) return headFromWorldAt(time_s);
-  const auto after = std::find_if(keyframes_.begin(), keyframes_.end(),
-                                  [&](const EyeKeyframe& frame) { return frame.time_s > time_s; });
-  const EyeKeyframe& to = after == keyframes_.end() ? keyframes_.back() : *after;
-  const EyeKeyframe& from = after == keyframes_.begin() ? keyframes_.front() : *std::prev(after);
-  const double share =
-      &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
+  const auto [from, to, share] = neighboursOf(keyframes_, time_s);
   const glm::vec3 position_m(glm::mix(from.position_m, to.position_m, share));
   const glm::vec3 look_at_m(glm::mix(from.look_at_m, to.look_at_m, share));
   const glm::vec3 up(glm::mix(from.up.value_or(up_), to.up.value_or(up_), share));

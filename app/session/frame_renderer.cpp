@@ -52,8 +52,6 @@ void compose(RenderedFrame& rendered) {
 
 RenderedFrame cloneOnGpu(const RenderedFrame& rendered) {
   RenderedFrame clone{.request = rendered.request,
-                      .frame = {},
-                      .layers = {},
                       .on_gpu = true,
                       .method = rendered.method,
                       .stats = rendered.stats};
@@ -164,20 +162,19 @@ void FrameRenderer::renderPassed(const RenderRequest& request, RenderedFrame& re
 }
 
 void FrameRenderer::startRead(RenderedFrame& rendered) {
-  if (!rendered.on_gpu) return;
-  try {
-    const GpuDevice::Use use(*rendered.layers.front().frame.gpu->device());
-    for (const RenderedFrame::Layer& layer : rendered.layers) layer.frame.gpu->startRead();
-  } catch (const GpuError& error) {
-    renderAgain(error, rendered);
-  }
+  onLayers(rendered, [](auto& image) { image.startRead(); });
 }
 
 void FrameRenderer::finishRead(RenderedFrame& rendered) {
+  onLayers(rendered, [](auto& image) { image.finishRead(); });
+}
+
+template <class Action>
+void FrameRenderer::onLayers(RenderedFrame& rendered, const Action& action) {
   if (!rendered.on_gpu) return;
   try {
     const GpuDevice::Use use(*rendered.layers.front().frame.gpu->device());
-    for (const RenderedFrame::Layer& layer : rendered.layers) layer.frame.gpu->finishRead();
+    for (const RenderedFrame::Layer& layer : rendered.layers) action(*layer.frame.gpu);
   } catch (const GpuError& error) {
     renderAgain(error, rendered);
   }

@@ -29,7 +29,7 @@ struct RenderRequest {
   StereoView stereo = StereoView::mono;
   glm::ivec2 size_px{0};
   bool split = false;  ///< the left half of each view without blur
-  std::vector<Eye> eyes;
+  std::vector<Eye> eyes{};
   bool operator==(const RenderRequest&) const = default;
 
   /// Whether a frame-time budget decides how well it is rendered.
@@ -48,11 +48,11 @@ struct RenderedFrame {
     bool sharp = false;  ///< shows in the left half (`RenderRequest::split`)
   };
   RenderRequest request;
-  Frame frame;                ///< without meaning while `on_gpu`
-  std::vector<Layer> layers;  ///< in the order of rendering; without meaning unless `on_gpu`
-  bool on_gpu = false;        ///< the pixels of all layers lie there
-  std::string method;         ///< that renders the same frame again on any machine
-  RenderStats stats;          ///< of all views together
+  Frame frame{};                ///< without meaning while `on_gpu`
+  std::vector<Layer> layers{};  ///< in the order of rendering; without meaning unless `on_gpu`
+  bool on_gpu = false;          ///< the pixels of all layers lie there
+  std::string method;           ///< that renders the same frame again on any machine
+  RenderStats stats;            ///< of all views together
 };
 
 /// Puts the layers that have been read from the GPU together. Any thread may.
@@ -126,6 +126,8 @@ class FrameRenderer {
   void renderViews(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
   template <class Action>
   void onAnyDevice(const Action& action);
+  template <class Action>
+  void onLayers(RenderedFrame& rendered, const Action& action);
   void renderAgain(const GpuError& error, RenderedFrame& rendered);
 
   const SurfelCloud* cloud_;

@@ -88,7 +88,7 @@ GazeFollower Session::newFollower() {
           },
           {.events = settings_.events,
            .accommodation = accommodationOf(settings_),
-           .cone_half_angle_deg = focus.cone_half_angle_deg,
+           .cone_half_angle_deg = focus.cone_deg,
            .vergence = focus.vergence,
            .ipd_m = settings_.observer.ipd_mm / 1000.0}};
 }
@@ -194,7 +194,7 @@ std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& 
 /// To the surface that a point of the screen shows.
 std::optional<double> Session::distanceUnder_m(double time_s, const glm::dvec2& point_px) const {
   return surfaceDistance(time_s, lineOfSight(settings_.screen, point_px),
-                         glm::radians(settings_.focus.cone_half_angle_deg));
+                         glm::radians(settings_.focus.cone_deg));
 }
 
 /// Where the session's screen shows at `now_s` what gaze met at `then_s`. A head that turns in
@@ -223,13 +223,7 @@ FrameRecord Session::state(double time_s) {
 }
 
 FrameRecord Session::recordAt(double time_s, AskSurface ask) {
-  FrameRecord record{.time_s = time_s,
-                     .eye = follower_.at(time_s, ask),
-                     .gaze_px = {},
-                     .fixation_px = {},
-                     .pupil_mm = 0.0,
-                     .method = {},
-                     .stats = {}};
+  FrameRecord record{.time_s = time_s, .eye = follower_.at(time_s, ask)};
   // Rendering takes post-saccadic oscillation for a part of the saccade.
   if (record.eye.state == GazeState::oscillation) record.eye.state = GazeState::saccade;
   const auto on_screen = [&](const std::optional<glm::dvec2>& point_px, double at_s) {
@@ -250,14 +244,10 @@ FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
                              .state = GazeState::fixation,
                              .state_time_s = time_s,
                              .fixation_px = point_px,
-                             .surface_distance_m = {}},
+                             .surface_distance_m = distanceUnder_m(time_s, point_px)},
                      .gaze_px = point_px,
-                     .fixation_px = point_px,
-                     .pupil_mm = 0.0,
-                     .method = {},
-                     .stats = {}};
+                     .fixation_px = point_px};
   EyeNow& eye = record.eye;
-  eye.surface_distance_m = distanceUnder_m(time_s, point_px);
   const AccommodationSettings accommodation = accommodationOf(settings_);
   if (eye.surface_distance_m) eye.target_D = 1.0 / *eye.surface_distance_m;
   eye.focus_D =
@@ -386,8 +376,7 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
   RenderRequest request{.method = method,
                         .stereo = settings_.output.stereo,
                         .size_px = settings_.output.size_px,
-                        .split = settings_.output.split,
-                        .eyes = {}};
+                        .split = settings_.output.split};
   for (const EyeView& eye : viewsAt(record.time_s)) {
     RenderSettings settings{
         .defocus = defocusOfEye(settings_.observer, pupil_mm, eye.view.focal_px, focus_D),

@@ -40,8 +40,8 @@ struct ObserverSettings {
 };
 
 struct FocusSettings {
-  double cone_half_angle_deg = 0.5;  ///< of the cone in which the surface is sought
-  double coverage = 0.5;             ///< share of the cone that a surface must fill
+  double cone_deg = 0.5;  ///< half-angle of the cone in which the surface is sought
+  double coverage = 0.5;  ///< share of the cone that a surface must fill
   /// The far point comes from the observer's refraction.
   AccommodationSettings accommodation{};
   bool vergence = false;            ///< the distance at which both lines of sight meet counts, too

@@ -156,9 +156,7 @@ glm::vec3 startOfEye_m(const Study& study) {
 /// How fine a captured scene has to be: a pixel, at the distance of a box from the eye. Out of an
 /// eye's view that does not move, the coarsest level will do.
 Fineness finenessOf(const Study& study) {
-  const Screen screen = study.screenInForce();
-  const View view = viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), study.imageSize_px(),
-                                      screen.size_m, screen.distance_m, screen.faced_m);
+  const View view = firstViewOf(study);
   const bool moves = study.eye.recorded || !study.eye.path.empty();
   const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
   return [=, eye_m = startOfEye_m(study)](const glm::vec3& low, const glm::vec3& high) {

@@ -51,6 +51,11 @@ class SourceHash {
     for (const std::string& name : objects.names) add(name);
   }
 
+  template <typename... Values>
+  void addAll(const Values&... values) {
+    (add(values), ...);
+  }
+
   std::string hex() { return hash_.hex(); }
 
  private:
@@ -58,14 +63,8 @@ class SourceHash {
 };
 
 void addMesh(SourceHash& key, const TriangleMesh& mesh) {
-  key.add(mesh.corners_m);
-  key.add(mesh.uv);
-  key.add(mesh.color);
-  key.add(mesh.alpha);
-  key.add(mesh.material);
-  key.add(mesh.body);
-  key.add(mesh.surface);
-  key.add(mesh.objects);
+  key.addAll(mesh.corners_m, mesh.uv, mesh.color, mesh.alpha, mesh.material, mesh.body,
+             mesh.surface, mesh.objects);
   std::vector<const MeshTexture*> textures;  // each once
   const auto addTexture = [&](const MeshTexture* texture) {
     const auto known = std::find(textures.begin(), textures.end(), texture);
@@ -73,32 +72,21 @@ void addMesh(SourceHash& key, const TriangleMesh& mesh) {
     if (known != textures.end()) return;
     textures.push_back(texture);
     if (texture == nullptr) return;
-    key.add(texture->size_px().x);
-    key.add(texture->pixels());
+    key.addAll(texture->size_px().x, texture->pixels());
   };
   key.add(mesh.materials.size());
   for (const MeshMaterial& material : mesh.materials) {
     addTexture(material.texture.get());
     addTexture(material.mask.get());
-    key.add(material.factor);
-    key.add(material.opacity);
-    key.add(material.alpha);
-    key.add(material.cutoff);
+    key.addAll(material.factor, material.opacity, material.alpha, material.cutoff);
     for (const TextureWrap wrap : material.wrap) key.add(wrap);
     for (const bool is : {material.tinted, material.unlit, material.shaded}) key.add(is);
   }
 }
 
 void addPoints(SourceHash& key, const PointCloud& points) {
-  key.add(points.position_m);
-  key.add(points.normal);
-  key.add(points.color);
-  key.add(points.radius_m);
-  key.add(points.opacity);
-  key.add(points.body);
-  key.add(points.surface);
-  key.add(points.area_m2);
-  key.add(points.objects);
+  key.addAll(points.position_m, points.normal, points.color, points.radius_m, points.opacity,
+             points.body, points.surface, points.area_m2, points.objects);
 }
 
 /// Another build of the program may make other surfels.

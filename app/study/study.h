@@ -32,8 +32,8 @@ enum class FrameMap {
 struct NamedShape {
   std::string name;
   glm::dvec3 center_m{0.0};
-  std::optional<glm::dvec3> size_m;  ///< edges of a box
-  std::optional<double> radius_m;    ///< of a sphere; one of the two is there
+  std::optional<glm::dvec3> size_m{};  ///< edges of a box
+  std::optional<double> radius_m;      ///< of a sphere; one of the two is there
 
   bool holds(const glm::dvec3& point_m) const;
 };
@@ -142,13 +142,7 @@ struct Study {
 
   std::vector<TraceTrial> trials;  ///< empty: those of the recording
 
-  struct Focus {
-    double cone_deg = 0.5;  ///< half-angle
-    double coverage = 0.5;
-    AccommodationSettings accommodation;
-    bool vergence = false;
-    std::optional<double> fixed_D;  ///< focus stays there, whatever is looked at
-  } focus;
+  FocusSettings focus;
 
   struct Render {
     std::string method = "auto";

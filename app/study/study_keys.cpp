@@ -7,6 +7,8 @@
 
 #include "app/study/key_table.h"
 #include "base/input_error.h"
+#include "base/rows.h"
+#include "base/text.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -52,7 +54,12 @@ std::string nameOfKey(const std::string& member) {
 
 constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
-const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
+/// The keys of a table in a list.
+template <class Table>
+const std::vector<Key<Table>>& keysOf();
+
+template <>
+const std::vector<Key<EyeKeyframe>>& keysOf() {
   using Keyed = EyeKeyframe;
   static const std::vector<Key<Keyed>> keys = {
       FOCI_KEY(time_s, "time after the recording's first sample, s", {0, 1e6}),
@@ -63,7 +70,8 @@ const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
   return keys;
 }
 
-const std::vector<Key<NamedShape>>& shapeKeys() {
+template <>
+const std::vector<Key<NamedShape>>& keysOf() {
   using Keyed = NamedShape;
   static const std::vector<Key<Keyed>> keys = {
       FOCI_KEY(name, "name of the object in the tables"),
@@ -74,7 +82,8 @@ const std::vector<Key<NamedShape>>& shapeKeys() {
   return keys;
 }
 
-const std::vector<Key<TraceTrial>>& trialKeys() {
+template <>
+const std::vector<Key<TraceTrial>>& keysOf() {
   constexpr double kFar_s = 1e12;
   using Keyed = TraceTrial;
   static const std::vector<Key<Keyed>> keys = {
@@ -86,7 +95,8 @@ const std::vector<Key<TraceTrial>>& trialKeys() {
   return keys;
 }
 
-const std::vector<Key<ScenePart>>& partKeys() {
+template <>
+const std::vector<Key<ScenePart>>& keysOf() {
   using Keyed = ScenePart;
   static const std::vector<Key<Keyed>> keys = {
       FOCI_KEY(file, "as scene.file"),
@@ -99,20 +109,22 @@ const std::vector<Key<ScenePart>>& partKeys() {
 
 }  // namespace
 
+template <class Table>
+requires(!HasStudyWords<Table>) static std::string write(const std::vector<Table>& list) {
+  return writeList(list, keysOf<Table>());
+}
+
 // `eye.path`, `scene.object`, `scene.part`, `trial` and `observer.wavefront` have types of their
 // own; toml_values.h has the others.
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
-  readList(from, keyframeKeys(), "a list of at most 10000 { time_s, position_m, look_at_m }",
+  readList(from, keysOf<EyeKeyframe>(), "a list of at most 10000 { time_s, position_m, look_at_m }",
            "keyframe", {"time_s", "position_m", "look_at_m"}, to);
 }
 
-static std::string write(const std::vector<EyeKeyframe>& path) {
-  return writeList(path, keyframeKeys());
-}
-
 static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to) {
-  readList(from, shapeKeys(), "a list of at most 10000 { name, center_m, size_m or radius_m }",
-           "shape", {"name", "center_m"}, to);
+  readList(from, keysOf<NamedShape>(),
+           "a list of at most 10000 { name, center_m, size_m or radius_m }", "shape",
+           {"name", "center_m"}, to);
   for (const NamedShape& shape : to) {
     if (shape.size_m.has_value() == shape.radius_m.has_value()) {
       throw Expected{"size_m for a box, or radius_m for a sphere, in each shape"};
@@ -121,21 +133,17 @@ static void read(const toml::value& from, const Allowed&, std::vector<NamedShape
 }
 
 static void read(const toml::value& from, const Allowed&, std::vector<TraceTrial>& to) {
-  readList(from, trialKeys(), "a list of at most 10000 { name, start_s, end_s, type }", "trial",
-           {"name", "start_s", "end_s"}, to);
+  readList(from, keysOf<TraceTrial>(), "a list of at most 10000 { name, start_s, end_s, type }",
+           "trial", {"name", "start_s", "end_s"}, to);
   for (const TraceTrial& trial : to) {
     if (!(trial.last_s > trial.first_s)) throw Expected{"end_s above start_s in each trial"};
   }
   std::ranges::stable_sort(to, {}, &TraceTrial::first_s);
 }
 
-static std::string write(const std::vector<TraceTrial>& trials) {
-  return writeList(trials, trialKeys());
-}
-
 static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to) {
-  readList(from, partKeys(), "a list of at most 10000 { file, position_m, rotation, scale_m }",
-           "part", {"file"}, to);
+  readList(from, keysOf<ScenePart>(),
+           "a list of at most 10000 { file, position_m, rotation, scale_m }", "part", {"file"}, to);
   for (const ScenePart& part : to) {
     if (!(glm::length(part.rotation) > 1e-6)) {
       throw Expected{"a rotation of each part that is not 0, 0, 0, 0"};
@@ -171,14 +179,6 @@ static void read(const toml::value& from, const Allowed& allowed, WavefrontChoic
 
 static std::string write(const WavefrontChoice& wavefront) {
   return wavefront.zernike_um.empty() ? write(wavefront.file) : listOf(wavefront.zernike_um);
-}
-
-static std::string write(const std::vector<ScenePart>& parts) {
-  return writeList(parts, partKeys());
-}
-
-static std::string write(const std::vector<NamedShape>& shapes) {
-  return writeList(shapes, shapeKeys());
 }
 
 namespace {
@@ -481,10 +481,8 @@ void setKey(Study& study, std::string_view key, const std::string& text, const s
 std::vector<ResolvedKey> resolvedKeys(const Study& study) {
   std::vector<ResolvedKey> resolved;
   for (const auto& key : studyKeys()) {
-    std::string allowed;
-    for (const auto word : key.allowed.words) {
-      allowed += (allowed.empty() ? "\"" : ", \"") + std::string(word) + "\"";
-    }
+    std::string allowed = listed(key.allowed.words, ", ",
+                                 [](const auto word) { return quotedText(std::string(word)); });
     if (std::isfinite(key.allowed.high)) allowed = rangeText(key.allowed);
     resolved.push_back({key.name, key.meaning, key.write(study), allowed});
   }

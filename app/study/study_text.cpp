@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {
@@ -23,12 +24,9 @@ bool isBare(const std::string& name) {
 
 /// Numbers, texts and lists look the same in JSON and TOML; tables do not.
 std::string tomlOf(const Json& json) {
-  std::string text;
-  if (json.is_array()) {
-    for (const Json& element : json) text += (text.empty() ? "" : ", ") + tomlOf(element);
-    return "[" + text + "]";
-  }
+  if (json.is_array()) return "[" + listed(json, ", ", tomlOf) + "]";
   if (!json.is_object()) return json.dump();
+  std::string text;
   for (const auto& [name, value] : json.items()) {
     if (value.is_null() || value == "") continue;
     text += (text.empty() ? "" : ", ") + (isBare(name) ? name : quotedText(name)) + " = " +
@@ -40,9 +38,7 @@ std::string tomlOf(const Json& json) {
 /// The value of a key in a file: a list of tables has a line for each.
 std::string tomlInFile(const Json& json) {
   if (!json.is_array() || json.empty() || !json.front().is_object()) return tomlOf(json);
-  std::string text;
-  for (const Json& element : json) text += (text.empty() ? "\n  " : ",\n  ") + tomlOf(element);
-  return "[" + text + "\n]";
+  return "[\n  " + listed(json, ",\n  ", tomlOf) + "\n]";
 }
 
 /// The value of a key. @throws InputError for a file whose name is not UTF-8, as TOML has to be

@@ -17,81 +17,64 @@ struct StudyWord {
   std::string_view text;
   Enum value;
 };
-template <class Enum>
-StudyWord(std::string_view, Enum) -> StudyWord<Enum>;
 
 /// The words of an enum, in the order in which messages list them.
 template <class Enum>
 inline constexpr std::array<StudyWord<Enum>, 0> kStudyWords{};
 
 template <>
-inline constexpr std::array kStudyWords<PupilModel>{
-    StudyWord{"fixed", PupilModel::fixed},
-    StudyWord{"recording", PupilModel::recording},
-    StudyWord{"luminance", PupilModel::luminance},
-};
+inline constexpr auto kStudyWords<PupilModel> =
+    std::to_array<StudyWord<PupilModel>>({{"fixed", PupilModel::fixed},
+                                          {"recording", PupilModel::recording},
+                                          {"luminance", PupilModel::luminance}});
 
 template <>
-inline constexpr std::array kStudyWords<DisplayKind>{
-    StudyWord{"screen", DisplayKind::screen},
-    StudyWord{"headset", DisplayKind::headset},
-};
+inline constexpr auto kStudyWords<DisplayKind> = std::to_array<StudyWord<DisplayKind>>(
+    {{"screen", DisplayKind::screen}, {"headset", DisplayKind::headset}});
 
 /// Absent: neither, which a recording with head poses refuses.
 template <>
-inline constexpr std::array kStudyWords<std::optional<SightFrame>>{
-    StudyWord<std::optional<SightFrame>>{"unknown", std::nullopt},
-    StudyWord<std::optional<SightFrame>>{"head", SightFrame::head},
-    StudyWord<std::optional<SightFrame>>{"world", SightFrame::world},
-};
+inline constexpr auto kStudyWords<std::optional<SightFrame>> =
+    std::to_array<StudyWord<std::optional<SightFrame>>>({{"unknown", std::nullopt},
+                                                         {"head", SightFrame::head},
+                                                         {"world", SightFrame::world}});
 
 template <>
-inline constexpr std::array kStudyWords<AngleUnit>{
-    StudyWord{"deg", AngleUnit::deg},
-    StudyWord{"rad", AngleUnit::rad},
-};
+inline constexpr auto kStudyWords<AngleUnit> =
+    std::to_array<StudyWord<AngleUnit>>({{"deg", AngleUnit::deg}, {"rad", AngleUnit::rad}});
 
 template <>
-inline constexpr std::array kStudyWords<FrameMap>{
-    StudyWord{"light", FrameMap::light},
-    StudyWord{"depth", FrameMap::depth},
-    StudyWord{"defocus", FrameMap::defocus},
-};
+inline constexpr auto kStudyWords<FrameMap> = std::to_array<StudyWord<FrameMap>>(
+    {{"light", FrameMap::light}, {"depth", FrameMap::depth}, {"defocus", FrameMap::defocus}});
 
 template <>
-inline constexpr std::array kStudyWords<StereoView>{
-    StudyWord{"mono", StereoView::mono},
-    StudyWord{"side-by-side", StereoView::side_by_side},
-    StudyWord{"top-bottom", StereoView::top_bottom},
-    StudyWord{"anaglyph", StereoView::anaglyph},
-    StudyWord{"left", StereoView::left},
-    StudyWord{"right", StereoView::right},
-};
+inline constexpr auto kStudyWords<StereoView> =
+    std::to_array<StudyWord<StereoView>>({{"mono", StereoView::mono},
+                                          {"side-by-side", StereoView::side_by_side},
+                                          {"top-bottom", StereoView::top_bottom},
+                                          {"anaglyph", StereoView::anaglyph},
+                                          {"left", StereoView::left},
+                                          {"right", StereoView::right}});
 
 template <>
-inline constexpr std::array kStudyWords<RenderDevice>{
-    StudyWord{"auto", RenderDevice::automatic},
-    StudyWord{"gpu", RenderDevice::gpu},
-    StudyWord{"cpu", RenderDevice::cpu},
-};
+inline constexpr auto kStudyWords<RenderDevice> = std::to_array<StudyWord<RenderDevice>>(
+    {{"auto", RenderDevice::automatic}, {"gpu", RenderDevice::gpu}, {"cpu", RenderDevice::cpu}});
 
 template <>
-inline constexpr std::array kStudyWords<Detector>{
-    StudyWord{nameOf(Detector::trained), Detector::trained},
-    StudyWord{nameOf(Detector::rules), Detector::rules},
-    StudyWord{nameOf(Detector::ivt), Detector::ivt},
-    StudyWord{nameOf(Detector::idt), Detector::idt},
-};
+inline constexpr auto kStudyWords<Detector> =
+    std::to_array<StudyWord<Detector>>({{nameOf(Detector::trained), Detector::trained},
+                                        {nameOf(Detector::rules), Detector::rules},
+                                        {nameOf(Detector::ivt), Detector::ivt},
+                                        {nameOf(Detector::idt), Detector::idt}});
 
 /// Absent: the file says so itself.
 template <>
-inline constexpr std::array kStudyWords<std::optional<GazeUnits>>{
-    StudyWord<std::optional<GazeUnits>>{"auto", std::nullopt},
-    StudyWord<std::optional<GazeUnits>>{"px", GazeUnits::px},
-    StudyWord<std::optional<GazeUnits>>{"deg", GazeUnits::deg},
-    StudyWord<std::optional<GazeUnits>>{"normalised", GazeUnits::normalised},
-    StudyWord<std::optional<GazeUnits>>{"relative", GazeUnits::relative},
-};
+inline constexpr auto kStudyWords<std::optional<GazeUnits>> =
+    std::to_array<StudyWord<std::optional<GazeUnits>>>({{"auto", std::nullopt},
+                                                        {"px", GazeUnits::px},
+                                                        {"deg", GazeUnits::deg},
+                                                        {"normalised", GazeUnits::normalised},
+                                                        {"relative", GazeUnits::relative}});
 
 template <class Enum>
 concept HasStudyWords = !kStudyWords<Enum>.empty();

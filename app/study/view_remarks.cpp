@@ -11,7 +11,6 @@
 #include "base/quantile.h"
 #include "base/text.h"
 #include "render/methods/method.h"
-#include "render/optics/view.h"
 #include "render/scene/gaussian_cloud.h"
 
 namespace foci {
@@ -131,12 +130,6 @@ std::string sizeRemark(const Study& study, const SceneBox& box) {
   return "";
 }
 
-View firstViewOf(const Study& study) {
-  const Screen screen = study.screenInForce();
-  return viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), study.imageSize_px(),
-                           screen.size_m, screen.distance_m, screen.faced_m);
-}
-
 /// The median distance of neighbouring surfels in view, in pixels; 0 if none is in view.
 double spacingInView_px(const View& view, const SurfelCloud& cloud) {
   constexpr std::size_t kMost = 200'000;  // of all surfels, evenly spread
@@ -168,6 +161,12 @@ std::string densityRemark(const Study& study, const SurfelCloud& cloud) {
 }
 
 }  // namespace
+
+View firstViewOf(const Study& study) {
+  const Screen screen = study.screenInForce();
+  return viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), study.imageSize_px(),
+                           screen.size_m, screen.distance_m, screen.faced_m);
+}
 
 bool isSceneInView(const Study& study, const SurfelCloud& cloud) {
   return anyInView(firstViewOf(study), cloud);

@@ -8,6 +8,7 @@
 
 #include "app/study/study.h"
 #include "render/lod/moment_tree.h"
+#include "render/optics/view.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -15,6 +16,9 @@ namespace foci {
 /// A scene wider than this, or narrower, is remarked on: farther away than 100 m the optics of an
 /// eye hardly tell distances apart, and an eye focuses on nothing nearer than some centimetres.
 inline constexpr double kWidestScene_m = 1000.0, kNarrowestScene_m = 0.001;
+
+/// What an eye in the study's first pose sees.
+View firstViewOf(const Study& study);
 
 /// Whether any surfel may reach into the image that an eye in the study's first pose sees.
 bool isSceneInView(const Study& study, const SurfelCloud& cloud);

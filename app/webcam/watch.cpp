@@ -130,8 +130,7 @@ class Overlay {
     Image frame{{rgb.cols, rgb.rows}, {}};
     frame.rgb.assign(rgb.datastart, rgb.dataend);
     if (one_) {
-      const auto png = pngOf(frame);
-      replaceFile(staged_, {png.begin(), png.end()});
+      replaceFile(staged_, pngOf(frame));
       return;
     }
     if (!video_) video_ = std::make_unique<VideoWriter>(staged_, frame.size_px, rate_Hz_);

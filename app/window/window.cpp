@@ -239,16 +239,9 @@ std::vector<int> Window::takeKeys() { return std::exchange(keys_, {}); }
 std::vector<unsigned> Window::takeTyped() { return std::exchange(typed_, {}); }
 
 bool Window::isPressed(int key, bool repeat) { return ImGui::IsKeyPressed(keyOf(key), repeat); }
-bool Window::leftButton() const {
-  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
-}
 
-bool Window::rightButton() const {
-  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
-}
-
-bool Window::middleButton() const {
-  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_MIDDLE) == GLFW_PRESS;
+bool Window::isButtonDown(int button) const {
+  return glfwGetMouseButton(window_, button) == GLFW_PRESS;
 }
 
 bool Window::wait(double seconds) {

@@ -52,10 +52,8 @@ class Window {
   std::vector<unsigned> takeTyped();
   /// Whether a key (a letter, an arrow, escape or space; number of GLFW) was pressed in this frame.
   static bool isPressed(int key, bool repeat = false);
-  bool leftButton() const;   ///< true while the left mouse button is down
-  bool rightButton() const;  ///< true while the right mouse button is down
-  bool middleButton() const;
-  bool isDown(int key) const;  ///< a number of GLFW
+  bool isDown(int key) const;           ///< a number of GLFW
+  bool isButtonDown(int button) const;  ///< of the mouse; a number of GLFW
   /// Notches of the wheel forwards since the last call.
   double takeWheel();
   /// Files dropped on the window since the last call.

@@ -182,7 +182,7 @@ std::vector<ImportedPoint> importPoints(const ChartPlan& plan, const fs::path& f
         if (entry.case_name != name) continue;
         if (!of) of.emplace(folder, name, plan.key(scene, blur_px));
         const Frame frame = of->frameOf(entry);
-        imported.push_back({.point = pointOf(scoresOf(frame, of->compared)),
+        imported.push_back({.point = {scoresOf(frame, of->compared)},
                             .image = imageOf(frame),
                             .difference = differenceOf(frame, of->reference, kDifferenceGain),
                             .read = {folder / entry.image, folder / entry.sharp}});
@@ -213,14 +213,10 @@ std::vector<fs::path> importedFiles(const std::vector<ImportedPoint>& points,
 }
 
 void writeImages(const std::vector<ImportedPoint>& points, OutputFolder& output) {
-  const auto write = [&](const std::string& file, const Image& image) {
-    const auto png = pngOf(image);
-    output.write(file, std::string(png.begin(), png.end()));
-  };
   for (const ImportedPoint& one : points) {
     const std::string image = imageFile(one.point);
-    write(image, one.image);
-    write(differenceFileOf(image), one.difference);
+    output.write(image, pngOf(one.image));
+    output.write(differenceFileOf(image), pngOf(one.difference));
   }
 }
 

@@ -26,8 +26,7 @@ namespace fs = std::filesystem;
 class ChartGroup {
  public:
   ChartGroup(const ChartPlan& plan, const ChartScene& scene, double blur_px, const fs::path& folder,
-             const ChartCells& cells, const OutputGuard& guard,
-             const std::function<void(std::size_t)>& on_steps)
+             const ChartCells& cells, const OutputGuard& guard, const OnSteps& on_steps)
       : plan_(plan),
         scene_(scene),
         blur_px_(blur_px),
@@ -58,12 +57,12 @@ class ChartGroup {
     for (const unsigned threads : plan_.threads) measureTimes(seen, threads);
   }
 
-  void addTo(ChartResult& result) const {
+  void addTo(Measured<ChartPoint>& result) const {
     for (const EvaluatedMethod& method : scene_.methods) {
       const ChartCell& cell = found_.at(method.spec());
       for (const unsigned threads : plan_.threads) {
         const std::vector<double>& ms = cell.ms.at(threads);
-        ChartPoint& point = result.points.emplace_back(pointOf(cell));
+        ChartPoint& point = result.rows.emplace_back(ChartPoint{cell.errors});
         point.scene = scene_.id;
         point.blur_px = blur_px_;
         point.method = method;
@@ -106,8 +105,7 @@ class ChartGroup {
   }
 
   void writeImage(const std::string& file, const Image& image) const {
-    const auto bytes = pngOf(image);
-    writeOutput(folder_ / file, std::string(bytes.begin(), bytes.end()), guard_);
+    writeOutput(folder_ / file, pngOf(image), guard_);
   }
 
   /// Renders the reference, and the first frame of each method that has no cell yet.
@@ -151,11 +149,10 @@ class ChartGroup {
     checked.quality.check = ErrorCheck::at_once;
     if (choosesQuality(method.spec())) methodOf(method).pass(seen.view, checked);
     const RenderStats stats = methodOf(method).render(seen.view, settings, frame);
-    ChartCell cell = scoresOf(frame, compared);
-    cell.expected_error = stats.tolerance_error;
-    cell.tolerance_met = stats.tolerance_met;
-    cell.quality_level = stats.quality_level;
-    cell.first_ms = stats.ms;
+    ChartCell cell{.errors = scoresOf(frame, compared), .first_ms = stats.ms};
+    cell.errors.expected_error = stats.tolerance_error;
+    cell.errors.tolerance_met = stats.tolerance_met;
+    cell.errors.quality_level = stats.quality_level;
     if (stats.ms > kSlowFirst * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
     const std::string image = imageFile(scene_.id, blur_px_, method);
     parallelFor(2, [&](std::size_t i) {
@@ -212,7 +209,7 @@ class ChartGroup {
   const fs::path& folder_;
   const ChartCells& cells_;
   const OutputGuard& guard_;
-  const std::function<void(std::size_t)>& on_steps_;
+  const OnSteps& on_steps_;
   std::string key_;
   double aperture_m_ = 0.0;
   std::optional<ChartReference> reference_;  // without its frame
@@ -251,10 +248,10 @@ std::vector<fs::path> measuredFiles(const ChartPlan& plan, const fs::path& folde
   return files;
 }
 
-ChartResult measureChart(const ChartPlan& plan, const fs::path& folder, const OutputGuard& guard,
-                         const std::function<void(std::size_t)>& on_steps) {
+Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
+                                  const OutputGuard& guard, const OnSteps& on_steps) {
   const ChartCells cells(folder / "cells", programKey(), guard);
-  ChartResult result;
+  Measured<ChartPoint> result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
     std::optional<SurfelCloud> shared;

@@ -9,14 +9,15 @@
 #include <utility>
 
 #include "app/evaluation/cells.h"
-#include "app/evaluation/csv.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/excess_change.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
+#include "app/record/tables.h"
 #include "app/session/auto_method.h"
 #include "app/session/observer_eye.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/lod/moment_tree.h"
@@ -273,10 +274,10 @@ std::vector<fs::path> measuredFiles(const MotionPlan& plan, const fs::path& fold
 
 std::size_t stepsOf(const MotionPlan& plan) { return measuredFiles(plan, "").size() / 2; }
 
-MotionResult measureMotion(const MotionPlan& plan, const fs::path& folder, const OutputGuard& guard,
-                           const std::function<void(std::size_t)>& on_steps) {
+Measured<MotionPoint> measureMotion(const MotionPlan& plan, const fs::path& folder,
+                                    const OutputGuard& guard, const OnSteps& on_steps) {
   const ChartCells cells(folder / "cells", programKey(), guard);
-  MotionResult result;
+  Measured<MotionPoint> result;
   for (const ChartScene& planned : plan.scenes) {
     std::optional<MotionScene> scene;
     if (!planned.input.empty()) result.warnings = scene.emplace(planned, plan).seen.warnings;
@@ -297,18 +298,17 @@ MotionResult measureMotion(const MotionPlan& plan, const fs::path& folder, const
         if (!lists) {
           if (!scene) scene.emplace(planned, plan);
           if (steps.empty()) steps = motionSteps(path, scene->seen);
-          if (point.budget_ms) point.budget_ms = kBudgetShare * result.points.back().ms_median;
+          if (point.budget_ms) point.budget_ms = kBudgetShare * result.rows.back().ms_median;
           MotionRun run(*scene, point.method.spec(), point.budget_ms);
           for (int i = 0; point.budget_ms && i < kWarmUp; ++i) run.render(steps.front());
           Image worst;
           lists = measurePath(*scene, run, std::span(steps).first(frames), worst);
           if (point.budget_ms) (*lists)["budget_ms"] = {*point.budget_ms};
-          const auto png = pngOf(worst);
-          writeOutput(folder / point.strip(), std::string(png.begin(), png.end()), guard);
+          writeOutput(folder / point.strip(), pngOf(worst), guard);
           cells.storeLists(cellOf(point), key, *lists);
         }
         setFigures(point, *lists);
-        result.points.push_back(point);
+        result.rows.push_back(point);
         on_steps(1);
       }
       if (scene) scene->endPath();
@@ -322,13 +322,11 @@ std::string csvOf(const std::vector<MotionPoint>& points) {
       "scene,path,method,setting,budget_ms,light_worst,light_median,jnd_worst,jnd_median,"
       "worst_frame,ms_median\n";
   for (const MotionPoint& one : points) {
-    csv += csvField(one.scene) + ',' + one.path + ',' + one.method.name + ',' +
-           (one.method.setting ? std::to_string(*one.method.setting) : "n/a") + ',' +
-           (one.budget_ms ? decimal(*one.budget_ms, 4) : "n/a");
-    for (const double figure : {one.light_worst, one.light_median, one.jnd_worst, one.jnd_median}) {
-      csv += ',' + decimal(figure, 6);
-    }
-    csv += ',' + std::to_string(one.worst_frame) + ',' + decimal(one.ms_median, 4) + '\n';
+    csv += rowOf<','>(csvField(one.scene), one.path, one.method.name,
+                      one.method.setting ? std::to_string(*one.method.setting) : "n/a",
+                      orAbsent(one.budget_ms, 4), decimal(one.light_worst, 6),
+                      decimal(one.light_median, 6), decimal(one.jnd_worst, 6),
+                      decimal(one.jnd_median, 6), one.worst_frame, decimal(one.ms_median, 4));
   }
   return csv;
 }

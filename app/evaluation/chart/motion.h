@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,12 +44,6 @@ struct MotionPoint {
   std::string strip() const;
 };
 
-struct MotionResult {
-  std::vector<MotionPoint> points;         ///< by scene, path, method
-  std::size_t computed = 0, kept = 0;      ///< cells that this run measured, and found complete
-  std::vector<std::string> warnings = {};  ///< of the scan
-};
-
 std::vector<std::filesystem::path> measuredFiles(const MotionPlan& plan,
                                                  const std::filesystem::path& folder);
 std::size_t stepsOf(const MotionPlan& plan);
@@ -59,12 +52,15 @@ std::size_t stepsOf(const MotionPlan& plan);
 /// state, and `auto` reuses frames that change too little to see. `auto` runs a second time within
 /// half of the time that it took. Frames within a saccade do not count, nor does the landing.
 /// @param folder    of the chart: cells go to `cells`, strips to `images`
-/// @param on_steps  called with the number of steps done since the last call
-MotionResult measureMotion(const MotionPlan& plan, const std::filesystem::path& folder,
-                           const OutputGuard& guard,
-                           const std::function<void(std::size_t)>& on_steps);
+/// @return by scene, path, method
+Measured<MotionPoint> measureMotion(const MotionPlan& plan, const std::filesystem::path& folder,
+                                    const OutputGuard& guard, const OnSteps& on_steps);
 
 /// motion.csv.
 std::string csvOf(const std::vector<MotionPoint>& points);
+
+/// A complete HTML page: each scene and path is a panel, and every method a point. Its links are
+/// relative to the chart's folder.
+std::string motionPage(const MotionPlan& plan, const Measured<MotionPoint>& measured);
 
 }  // namespace foci

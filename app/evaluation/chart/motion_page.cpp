@@ -1,4 +1,4 @@
-#include "app/evaluation/chart/motion_page.h"
+#include "app/evaluation/chart/motion.h"
 
 #include <algorithm>
 #include <iterator>
@@ -58,8 +58,7 @@ void writeMotionPanel(std::ostream& out, const std::string& title,
 
 }  // namespace
 
-std::string motionPage(const MotionPlan& plan, const std::vector<MotionPoint>& points,
-                       const std::vector<std::string>& warnings) {
+std::string motionPage(const MotionPlan& plan, const Measured<MotionPoint>& measured) {
   std::vector<std::pair<std::string, std::string>> paths;
   paths.reserve(kMotionPaths.size());
   for (const std::string_view path : kMotionPaths) paths.emplace_back(path, path);
@@ -70,7 +69,7 @@ std::string motionPage(const MotionPlan& plan, const std::vector<MotionPoint>& p
          " &middot; images "
       << plan.size_px << " px wide, blur radius up to " << decimal(plan.blur_px, 0) << " px"
       << (plan.quick ? " &middot; a quick look" : "") << "</p>\n"
-      << noticesOf(warnings)
+      << noticesOf(measured.warnings)
       << "<p>The excess change is the change from frame to frame less that of the reference, "
          "<code>accumulate:"
       << plan.views
@@ -89,7 +88,7 @@ std::string motionPage(const MotionPlan& plan, const std::vector<MotionPoint>& p
   for (const ChartScene& scene : plan.scenes) {
     for (const std::string_view path : kMotionPaths) {
       std::vector<MotionPoint> members;
-      std::ranges::copy_if(points, std::back_inserter(members), [&](const MotionPoint& one) {
+      std::ranges::copy_if(measured.rows, std::back_inserter(members), [&](const MotionPoint& one) {
         return one.scene == scene.id && one.path == path;
       });
       writeMotionPanel(out, scene.title, members);

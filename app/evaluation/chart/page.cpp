@@ -1,14 +1,14 @@
-#include "app/evaluation/chart/page.h"
+#include "app/evaluation/chart/panel.h"
 
 #include <algorithm>
 #include <sstream>
 #include <utility>
 
-#include "app/evaluation/chart/panel.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
 #include "app/platform/machine.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 
@@ -209,16 +209,13 @@ void writeMethodology(std::ostream& out, const ChartPlan& plan) {
 
 }  // namespace
 
-std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& points,
-                      const std::vector<std::string>& warnings) {
+std::string chartPage(const ChartPlan& plan, const Measured<ChartPoint>& measured) {
+  const std::vector<ChartPoint>& points = measured.rows;
   const Machine machine = describeMachine();
   const double shown_px = plan.blurs_px[plan.blurs_px.size() / 2];
   std::ostringstream out;
-  std::string scenes;
-  for (const ChartScene& scene : plan.scenes) {
-    scenes += (scenes.empty() ? "" : ", ") + scene.id;
-  }
-  out << pageStart("foci chart: " + scenes + (plan.quick ? " (quick)" : ""),
+  out << pageStart("foci chart: " + listed(plan.scenes, ", ", &ChartScene::id) +
+                       (plan.quick ? " (quick)" : ""),
                    std::string(kEvaluationStyle) + kChartStyle,
                    "<noscript><style>.panel[hidden] { display: block; }</style></noscript>")
       << "<h1>Depth of field: speed against accuracy</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
@@ -226,7 +223,7 @@ std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& poin
       << escaped(machine.cpu) << ", " << machine.simd << ", " << threadsText(plan.threads.back())
       << " &middot; images " << plan.size_px << " px wide"
       << (plan.quick ? " &middot; a quick look: few runs" : "") << "</p>\n"
-      << noticesOf(warnings) << "<h2>Which method to use</h2>\n"
+      << noticesOf(measured.warnings) << "<h2>Which method to use</h2>\n"
       << adviceTable() << "<h2>The fastest method for an accuracy</h2>\n"
       << "<p>The fastest method whose PSNR against the reference is at least this high, with "
       << threadsText(plan.threads.back())

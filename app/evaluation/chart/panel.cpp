@@ -5,6 +5,7 @@
 #include <map>
 
 #include "app/evaluation/evaluation_page.h"
+#include "app/platform/machine.h"
 #include "base/text.h"
 
 namespace foci {
@@ -59,7 +60,8 @@ PlotSeries staircase(std::vector<glm::dvec2> corners, const Plot& plot) {
 }
 
 /// The text beside the panels of the overview.
-Drawing overviewKey(const ChartPlan& plan, const Machine& machine, bool imported) {
+Drawing overviewKey(const ChartPlan& plan, bool imported) {
+  const Machine machine = describeMachine();
   const unsigned threads = plan.threads.back();
   Drawing key{.size_px = kPanel_px};
   double y = 60.0;
@@ -136,8 +138,7 @@ Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
   return plot;
 }
 
-Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points, double blur_px,
-                   const Machine& machine) {
+Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points, double blur_px) {
   constexpr int kColumns = 2;
   const auto cells = static_cast<int>(plan.scenes.size()) + 1;
   Drawing all{.size_px = {kColumns * kPanel_px.x,
@@ -158,7 +159,7 @@ Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points,
                            ChartMeasure::psnr, scene.title)),
             place(cell++));
   }
-  all.add(overviewKey(plan, machine, hasImported(points)), place(cell));
+  all.add(overviewKey(plan, hasImported(points)), place(cell));
   return all;
 }
 

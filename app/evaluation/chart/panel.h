@@ -1,4 +1,5 @@
-// Time against accuracy: one scene at one blur and number of threads; every method is a point.
+// Time against accuracy: one scene at one blur and number of threads; every method is a point. The
+// page of all panels.
 #pragma once
 
 #include <string>
@@ -7,7 +8,6 @@
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/chart/points.h"
 #include "app/graphics/plot.h"
-#include "app/platform/machine.h"
 
 namespace foci {
 
@@ -22,7 +22,10 @@ enum class ChartMeasure {
 Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure, const std::string& title);
 
 /// All scenes at one blur in one image, with the machine's name: for pages without links.
-Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points, double blur_px,
-                   const Machine& machine);
+Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points, double blur_px);
+
+/// A complete HTML page: which method to use when, the panels, and every image as a link. Its links
+/// are relative to the chart's folder.
+std::string chartPage(const ChartPlan& plan, const Measured<ChartPoint>& measured);
 
 }  // namespace foci

@@ -7,7 +7,8 @@
 #include <map>
 #include <tuple>
 
-#include "app/evaluation/csv.h"
+#include "app/record/tables.h"
+#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {
@@ -18,18 +19,6 @@ std::string panelName(const std::string& scene, double blur_px) {
 }
 
 }  // namespace
-
-ChartPoint pointOf(const ChartCell& cell) {
-  return {.psnr_dB = cell.psnr_dB,
-          .ssim = cell.ssim,
-          .silhouette_psnr_dB = cell.silhouette_psnr_dB,
-          .coverage_error = cell.coverage_error,
-          .visible_error = cell.visible_error,
-          .flip = cell.flip,
-          .expected_error = cell.expected_error,
-          .tolerance_met = cell.tolerance_met,
-          .quality_level = cell.quality_level};
-}
 
 double worthOf_dB(const ChartPoint& point) {
   return std::min(point.psnr_dB, point.reference_psnr_dB);
@@ -69,19 +58,18 @@ std::string csvOf(const std::vector<ChartPoint>& points) {
       "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error,"
       "tolerance_met,quality_level,flip,renderer\n";
   for (const ChartPoint& one : points) {
-    const auto& silhouette = one.silhouette_psnr_dB;
-    csv += csvField(one.scene) + ',' + decimal(one.blur_px, 0) + ',' + one.method.name + ',' +
-           (one.method.setting ? std::to_string(*one.method.setting) : "n/a") + ',' +
-           std::to_string(one.threads) + ',' + decimal(one.ms_median, 4) + ',' +
-           decimal(one.ms_min, 4) + ',' + decimalOrInf(one.psnr_dB, 3) + ',' +
-           decimal(one.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + ',' +
-           (one.coverage_error ? decimal(*one.coverage_error, 6) : "n/a") + ',' +
-           decimalOrInf(one.reference_psnr_dB, 3) + ',' + (one.on_frontier ? "yes" : "no") + ',' +
-           decimal(one.visible_error, 3) + ',' +
-           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + ',' +
-           (one.tolerance_met ? *one.tolerance_met ? "yes" : "no" : "n/a") + ',' +
-           (one.quality_level ? textOf(*one.quality_level) : "n/a") + ',' + decimal(one.flip, 4) +
-           ',' + (one.renderer.empty() ? "n/a" : csvField(one.renderer)) + '\n';
+    const auto& silhouette_dB = one.silhouette_psnr_dB;
+    csv +=
+        rowOf<','>(csvField(one.scene), decimal(one.blur_px, 0), one.method.name,
+                   one.method.setting ? std::to_string(*one.method.setting) : "n/a", one.threads,
+                   decimal(one.ms_median, 4), decimal(one.ms_min, 4), decimalOrInf(one.psnr_dB, 3),
+                   decimal(one.ssim, 6), silhouette_dB ? decimalOrInf(*silhouette_dB, 3) : "n/a",
+                   orAbsent(one.coverage_error, 6), decimalOrInf(one.reference_psnr_dB, 3),
+                   one.on_frontier ? "yes" : "no", decimal(one.visible_error, 3),
+                   orAbsent(one.expected_error, 3),
+                   one.tolerance_met ? *one.tolerance_met ? "yes" : "no" : "n/a",
+                   one.quality_level ? textOf(*one.quality_level) : "n/a", decimal(one.flip, 4),
+                   one.renderer.empty() ? "n/a" : csvField(one.renderer));
   }
   return csv;
 }

@@ -11,8 +11,8 @@
 
 namespace foci {
 
-/// A row of chart.csv. `ChartCell` explains the errors.
-struct ChartPoint {
+/// A row of chart.csv.
+struct ChartPoint : ChartErrors {
   std::string scene = {};
   double blur_px = 0.0;  ///< largest blur radius in view
   EvaluatedMethod method = {};
@@ -20,21 +20,9 @@ struct ChartPoint {
   std::string renderer = {};
   unsigned threads = 0;
   double ms_median = 0.0, ms_min = 0.0;
-  double psnr_dB = 0.0;
-  double ssim = 0.0;
-  std::optional<double> silhouette_psnr_dB = {};
-  std::optional<double> coverage_error = {};  ///< absent for another renderer
-  double visible_error = 0.0;
-  double flip = 0.0;
-  std::optional<double> expected_error = {};
-  std::optional<bool> tolerance_met = {};
-  std::optional<QualityLevel> quality_level = {};
   double reference_psnr_dB = 0.0;  ///< of the reference: one half of its views against the other
   bool on_frontier = false;        ///< see `markFrontiers`
 };
-
-/// A point with the errors of a cell, and what `auto` states of them.
-ChartPoint pointOf(const ChartCell& cell);
 
 /// PSNR as far as the reference can tell: at most the reference's own.
 double worthOf_dB(const ChartPoint& point);

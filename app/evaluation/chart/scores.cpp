@@ -17,28 +17,28 @@ Compared comparedWith(const Frame& reference, const Frame& pinhole, const Defocu
           .band = silhouetteBand(pinhole, lens)};
 }
 
-ChartCell scoresOf(const Frame& frame, const Compared& with) {
+ChartErrors scoresOf(const Frame& frame, const Compared& with) {
   constexpr double kShareOfPixels = 0.95;  // as `Quality::tolerance` counts errors
   const Frame& reference = *with.reference;
-  ChartCell cell;
+  ChartErrors errors;
   const std::array<std::function<void()>, 4> tasks{
       [&] {
         auto visible = visibleDifference(frame, with.lab, kUsualPx_per_deg);
-        cell.visible_error = quantile(visible, kShareOfPixels);
+        errors.visible_error = quantile(visible, kShareOfPixels);
       },
-      [&] { cell.ssim = ssim(frame, reference); },
+      [&] { errors.ssim = ssim(frame, reference); },
       [&] {
-        cell.psnr_dB = psnr_dB(frame, reference);
-        cell.silhouette_psnr_dB = silhouettePsnr_dB(frame, reference, with.band);
-        cell.coverage_error = coverageError(frame, reference);
+        errors.psnr_dB = psnr_dB(frame, reference);
+        errors.silhouette_psnr_dB = silhouettePsnr_dB(frame, reference, with.band);
+        errors.coverage_error = coverageError(frame, reference);
       },
       [&] {
         const std::vector<float> flip = flipOf(frame, reference, kUsualPx_per_deg);
-        cell.flip =
+        errors.flip =
             std::accumulate(flip.begin(), flip.end(), 0.0) / static_cast<double>(flip.size());
       }};
   parallelFor(tasks.size(), [&](std::size_t i) { tasks.at(i)(); });
-  return cell;
+  return errors;
 }
 
 }  // namespace foci

@@ -22,7 +22,7 @@ struct Compared {
 /// @param pinhole    a frame without blur, with depth
 Compared comparedWith(const Frame& reference, const Frame& pinhole, const Defocus& lens);
 
-/// A cell with the errors of a frame, and without times.
-ChartCell scoresOf(const Frame& frame, const Compared& with);
+/// Without what `auto` states.
+ChartErrors scoresOf(const Frame& frame, const Compared& with);
 
 }  // namespace foci

@@ -14,6 +14,7 @@
 #include "app/platform/machine.h"
 #include "app/session/auto_method.h"
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/gaussian_tree.h"
@@ -169,8 +170,7 @@ GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threa
   return plan;
 }
 
-GrowthResult measureGrowth(const GrowthPlan& plan,
-                           const std::function<void(std::size_t)>& on_steps) {
+Measured<GrowthCurve> measureGrowth(const GrowthPlan& plan, const OnSteps& on_steps) {
   std::optional<GrownScene> scene;
   const auto sceneOf = [](const GrowthPoint& one) {
     return std::tuple(one.axis == GrowthAxis::blur, one.gaussians, one.splats, one.pixels);
@@ -192,7 +192,7 @@ GrowthResult measureGrowth(const GrowthPlan& plan,
     if (one.method != kPrepare) measureFrames(one, *scene, plan.timing_ms);
     on_steps(1);
   }
-  return {.curves = curvesOf(measured), .computed = measured.size()};
+  return {.rows = curvesOf(measured), .computed = measured.size()};
 }
 
 std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points) {
@@ -233,12 +233,11 @@ std::string csvOf(const std::vector<GrowthCurve>& curves) {
       "quality_level\n";
   for (const GrowthCurve& curve : curves) {
     for (const GrowthPoint& one : curve.points) {
-      csv += concat(nameOf(one.axis), ",", exactText(one.size), ",",
-                    one.gaussians ? "Gaussians" : "surfels", ",", one.method, ",",
-                    exactText(one.splats), ",", exactText(one.pixels), ",", exactText(one.blur_px),
-                    ",", one.threads, ",", decimal(one.ms, 3), ",", decimal(one.cpu_ms, 3), ",",
-                    decimal(one.memory_GB, 3), ",",
-                    one.quality_level ? textOf(*one.quality_level) : "n/a", "\n");
+      csv += rowOf<','>(nameOf(one.axis), exactText(one.size),
+                        one.gaussians ? "Gaussians" : "surfels", one.method, exactText(one.splats),
+                        exactText(one.pixels), exactText(one.blur_px), one.threads,
+                        decimal(one.ms, 3), decimal(one.cpu_ms, 3), decimal(one.memory_GB, 3),
+                        one.quality_level ? textOf(*one.quality_level) : "n/a");
     }
   }
   return csv;

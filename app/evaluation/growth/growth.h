@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/evaluation/evaluation_choice.h"
 #include "app/evaluation/growth/growth_fit.h"
 #include "render/methods/quality_level.h"
 
@@ -67,14 +67,8 @@ std::string nameOf(const GrowthCurve& curve);
 /// The curves of at least two sizes.
 std::vector<GrowthCurve> curvesOf(const std::vector<GrowthPoint>& points);
 
-struct GrowthResult {
-  std::vector<GrowthCurve> curves = {};
-  std::size_t computed = 0, kept = 0;  ///< no run continues an earlier one
-};
-
-/// @param on_steps  called with the number of steps done since the last call
-GrowthResult measureGrowth(const GrowthPlan& plan,
-                           const std::function<void(std::size_t)>& on_steps);
+/// No run continues an earlier one.
+Measured<GrowthCurve> measureGrowth(const GrowthPlan& plan, const OnSteps& on_steps);
 
 /// growth.csv.
 std::string csvOf(const std::vector<GrowthCurve>& curves);

@@ -9,8 +9,8 @@
 #include <tuple>
 #include <utility>
 
-#include "app/evaluation/csv.h"
 #include "app/evaluation/timed_runs.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/methods/method.h"
@@ -177,13 +177,12 @@ std::string csvOf(const std::vector<ReproduceRow>& rows) {
       "scene,aperture,blur_px_max,method,lod,kfragments,points,ms_median,ms_min,threads,psnr_dB,"
       "ssim,silhouette_psnr_dB\n";
   for (const ReproduceRow& row : rows) {
-    const auto& silhouette = row.silhouette_psnr_dB;
-    csv += csvField(row.scene) + ',' + decimal(row.aperture_m, 6) + ',' +
-           decimal(row.blur_px_max, 3) + ',' + row.method + ',' + (row.lod ? "yes" : "no") + ',' +
-           decimal(row.kfragments, 3) + ',' + std::to_string(row.points) + ',' +
-           decimal(row.ms_median, 4) + ',' + decimal(row.ms_min, 4) + ',' +
-           std::to_string(row.threads) + ',' + decimalOrInf(row.psnr_dB, 3) + ',' +
-           decimal(row.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + '\n';
+    const auto& silhouette_dB = row.silhouette_psnr_dB;
+    csv += rowOf<','>(csvField(row.scene), decimal(row.aperture_m, 6), decimal(row.blur_px_max, 3),
+                      row.method, row.lod ? "yes" : "no", decimal(row.kfragments, 3), row.points,
+                      decimal(row.ms_median, 4), decimal(row.ms_min, 4), row.threads,
+                      decimalOrInf(row.psnr_dB, 3), decimal(row.ssim, 6),
+                      silhouette_dB ? decimalOrInf(*silhouette_dB, 3) : "n/a");
   }
   return csv;
 }

@@ -10,6 +10,7 @@
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
 #include "app/platform/machine.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/methods/method.h"
@@ -167,10 +168,8 @@ void writeMethodology(std::ostream& out, const ReproduceFacts& facts) {
 std::string reproducePage(const ReproduceFacts& facts) {
   const Machine machine = describeMachine();
   std::ostringstream out;
-  std::string scenes;
-  for (const ReproducedScene& one : facts.scenes) {
-    scenes += (scenes.empty() ? "" : ", ") + one.scene.name;
-  }
+  const std::string scenes =
+      listed(facts.scenes, ", ", [](const ReproducedScene& one) { return one.scene.name; });
   out << pageStart("foci reproduce: " + scenes + (facts.quick ? " (quick)" : ""),
                    std::string(kEvaluationStyle) + kReproduceStyle)
       << "<h1>Fast depth of field with surface splatting, measured again</h1>\n"

@@ -23,8 +23,6 @@ constexpr std::size_t kManySurfels = 10'000'000;
 constexpr const char *kTable = "table1.csv", *kPage = "reproduce.html", *kFigure1 = "figure1.png";
 constexpr const char* kFigure6 = "figure6_";  // and the name of its scene
 
-std::string textOf(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
-
 std::vector<std::vector<Image>> imagesOf(const std::vector<std::vector<PaperFigure>>& rows) {
   std::vector<std::vector<Image>> images;
   for (const auto& row : rows) {
@@ -94,13 +92,12 @@ ReproduceSummary reproduce(const ReproduceRequest& request) {
     facts.ratios.insert(facts.ratios.end(), ratios.begin(), ratios.end());
     output.write(
         kFigure6 + scene->name + ".png",
-        textOf(pngOf(gridOf(imagesOf(facts.scenes.back().figure6),
-                            {kOurs, "reference", "difference x " + decimal(kDifferenceGain, 0)}))));
+        pngOf(gridOf(imagesOf(facts.scenes.back().figure6),
+                     {kOurs, "reference", "difference x " + decimal(kDifferenceGain, 0)})));
   }
   facts.figure1 = figure1(gallery, effort.figure1_views, onFrames);
-  output.write(kFigure1,
-               textOf(pngOf(gridOf(imagesOf({facts.figure1}),
-                                   {"mask in focus", "between the two", "bust in focus"}))));
+  output.write(kFigure1, pngOf(gridOf(imagesOf({facts.figure1}),
+                                      {"mask in focus", "between the two", "bust in focus"})));
   if (!request.quick) {
     facts.growth = measureGrowth(kManySurfels, [&] { onFrames(1); });
     const auto ratios = ratiosOf(*facts.growth);

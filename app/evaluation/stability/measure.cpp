@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 
 #include "app/evaluation/cells.h"
-#include "app/evaluation/csv.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/excess_change.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 
@@ -61,15 +60,15 @@ class StabilityGroup {
              std::to_string(plan.effort.samples) + " samples, " +
              std::to_string(plan.effort.steps) + " steps; ") {}
 
-  void measure(const std::function<void(std::size_t)>& on_steps, StabilityResult& result) {
+  void measure(const OnSteps& on_steps, Measured<StabilityPoint>& result) {
     const auto names = scoredIn(plan_, scene_);
     for (std::size_t i = 0; i < names.size(); ++i) {
       const auto found = load(i, names[i]);
       ++(found ? result.kept : result.computed);
-      result.points.push_back({.scene = scene_.name,
-                               .value = value_,
-                               .by = names[i],
-                               .score = found ? *found : compute(i, names[i])});
+      result.rows.push_back({.scene = scene_.name,
+                             .value = value_,
+                             .by = names[i],
+                             .score = found ? *found : compute(i, names[i])});
       on_steps(1);
     }
   }
@@ -78,8 +77,7 @@ class StabilityGroup {
   std::string nameOf(std::size_t index) const { return cellName(plan_, scene_, value_, index); }
 
   void writeImage(const std::string& file, const Image& image) const {
-    const auto bytes = pngOf(image);
-    writeOutput(folder_ / file, std::string(bytes.begin(), bytes.end()), guard_);
+    writeOutput(folder_ / file, pngOf(image), guard_);
   }
 
   std::optional<double> load(std::size_t index, const std::string& name) const {
@@ -131,11 +129,7 @@ class StabilityGroup {
 
 }  // namespace
 
-std::string dialText(float value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", static_cast<double>(value));
-  return text;
-}
+std::string dialText(float value) { return printed("%g", static_cast<double>(value)); }
 
 std::vector<std::string> scoredIn(const StabilityPlan& plan, const StabilityScene& scene) {
   if (scene.observe) return scene.observers;
@@ -179,11 +173,10 @@ std::vector<fs::path> measuredFiles(const StabilityPlan& plan, const fs::path& f
   return files;
 }
 
-StabilityResult measureStability(const StabilityPlan& plan, const fs::path& folder,
-                                 const OutputGuard& guard,
-                                 const std::function<void(std::size_t)>& on_steps) {
+Measured<StabilityPoint> measureStability(const StabilityPlan& plan, const fs::path& folder,
+                                          const OutputGuard& guard, const OnSteps& on_steps) {
   const ChartCells cells(folder / "cells", programKey(), guard);
-  StabilityResult result;
+  Measured<StabilityPoint> result;
   for (const StabilityScene& scene : plan.scenes) {
     for (const float value : scene.values) {
       StabilityGroup(plan, scene, value, folder, cells, guard).measure(on_steps, result);
@@ -197,9 +190,9 @@ std::string csvOf(const StabilityPlan& plan, const std::vector<StabilityPoint>& 
   for (const StabilityScene& scene : plan.scenes) {
     for (const StabilityPoint& one : points) {
       if (one.scene != scene.name) continue;
-      csv += csvField(one.scene) + ',' + csvField(scene.dial) + ',' + dialText(one.value) + ',' +
-             csvField(one.by) + ',' + decimal(one.score, 6) + ',' + csvField(scene.score) + ',' +
-             (scene.isGood(one.score) ? "yes" : "no") + '\n';
+      csv += rowOf<','>(csvField(one.scene), csvField(scene.dial), dialText(one.value),
+                        csvField(one.by), decimal(one.score, 6), csvField(scene.score),
+                        scene.isGood(one.score) ? "yes" : "no");
     }
   }
   return csv;

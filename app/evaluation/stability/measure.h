@@ -69,11 +69,6 @@ struct StabilityPoint {
   double score = 0.0;
 };
 
-struct StabilityResult {
-  std::vector<StabilityPoint> points;  ///< by scene, value, method
-  std::size_t computed = 0, kept = 0;  ///< cells that this run measured, and found complete
-};
-
 /// The methods of the plan, or the scene's own observers.
 std::vector<std::string> scoredIn(const StabilityPlan& plan, const StabilityScene& scene);
 
@@ -92,10 +87,10 @@ std::vector<std::filesystem::path> measuredFiles(const StabilityPlan& plan,
 std::size_t stepsOf(const StabilityPlan& plan);
 
 /// @param folder    of the chart: cells go to `cells`, images to `images`
-/// @param on_steps  called with the number of steps done since the last call
-StabilityResult measureStability(const StabilityPlan& plan, const std::filesystem::path& folder,
-                                 const OutputGuard& guard,
-                                 const std::function<void(std::size_t)>& on_steps);
+/// @return by scene, value, method
+Measured<StabilityPoint> measureStability(const StabilityPlan& plan,
+                                          const std::filesystem::path& folder,
+                                          const OutputGuard& guard, const OnSteps& on_steps);
 
 /// stability.csv.
 std::string csvOf(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);

@@ -8,6 +8,7 @@
 #include "app/evaluation/evaluation_page.h"
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
+#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {
@@ -147,11 +148,8 @@ void writeStrip(std::ostream& out, const StabilityPlan& plan, const StabilitySce
 std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points,
                           const std::string& notice) {
   std::ostringstream out;
-  std::string scenes;
-  for (const StabilityScene& scene : plan.scenes) {
-    scenes += (scenes.empty() ? "" : ", ") + scene.name;
-  }
-  out << pageStart("foci chart --stability: " + scenes + (plan.quick ? " (quick)" : ""),
+  out << pageStart("foci chart --stability: " + listed(plan.scenes, ", ", &StabilityScene::name) +
+                       (plan.quick ? " (quick)" : ""),
                    std::string(kEvaluationStyle) + kChartStyle + kStabilityStyle)
       << "<h1>Depth of field: where methods fail</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
       << (plan.quick ? " &middot; a quick look: three values for each dial" : "") << "</p>\n";

@@ -185,27 +185,26 @@ Frame exactFrame(const std::vector<Sheet>& sheets, const View& view, const Rende
     const float off_px = (static_cast<float>(k - kReach) + 0.5f) / float{kSub};
     total += weights[static_cast<std::size_t>(k)] = std::exp(-0.5f * off_px * off_px);
   }
-  const auto first = [](int pixel) { return kSub * (pixel + kMargin) + kSub / 2 - kReach; };
-  std::vector<glm::vec4> rows(static_cast<std::size_t>(view.size_px.x * points.y));
+  const auto blurred = [&](const std::vector<glm::vec4>& of, int pixel, std::size_t start,
+                           int stride) {
+    const int first = kSub * (pixel + kMargin) + kSub / 2 - kReach;
+    glm::vec4 sum(0.0f);
+    for (int k = 0; k < 2 * kReach; ++k) {
+      sum += weights[static_cast<std::size_t>(k)] *
+             of[start + static_cast<std::size_t>((first + k) * stride)];
+    }
+    return sum / total;
+  };
+  std::vector<glm::vec4> rows;
   for (int y = 0; y < points.y; ++y) {
     for (int x = 0; x < view.size_px.x; ++x) {
-      glm::vec4 sum(0.0f);
-      for (int k = 0; k < 2 * kReach; ++k) {
-        sum += weights[static_cast<std::size_t>(k)] *
-               fine[static_cast<std::size_t>(y) * points.x + first(x) + k];
-      }
-      rows[static_cast<std::size_t>(y) * view.size_px.x + x] = sum / total;
+      rows.push_back(blurred(fine, x, static_cast<std::size_t>(y) * points.x, 1));
     }
   }
   Frame frame{.size_px = view.size_px, .rgba = {}, .depth_m = {}};
   for (int y = 0; y < view.size_px.y; ++y) {
     for (int x = 0; x < view.size_px.x; ++x) {
-      glm::vec4 sum(0.0f);
-      for (int k = 0; k < 2 * kReach; ++k) {
-        sum += weights[static_cast<std::size_t>(k)] *
-               rows[static_cast<std::size_t>(first(y) + k) * view.size_px.x + x];
-      }
-      frame.rgba.push_back(sum / total);
+      frame.rgba.push_back(blurred(rows, y, static_cast<std::size_t>(x), view.size_px.x));
     }
   }
   return frame;

@@ -28,15 +28,14 @@ namespace fs = std::filesystem;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ChartPoint point(const char* method, double ms, double psnr_dB) {
-  return {.scene = "s",
-          .blur_px = 4.0,
-          .method = {method, {}},
-          .threads = 1,
-          .ms_median = ms,
-          .ms_min = ms,
-          .psnr_dB = psnr_dB,
-          .ssim = 0.5,
-          .reference_psnr_dB = 50.0};
+  ChartPoint one{{.psnr_dB = psnr_dB, .ssim = 0.5}};
+  one.scene = "s";
+  one.blur_px = 4.0;
+  one.method = {method, {}};
+  one.threads = 1;
+  one.ms_median = one.ms_min = ms;
+  one.reference_psnr_dB = 50.0;
+  return one;
 }
 
 TEST(ParetoFrontier, HoldsTheEntriesThatNothingBeats) {
@@ -251,35 +250,38 @@ class ChartCellsTest : public testing::Test {
 
 TEST_F(ChartCellsTest, LoadsResultsUnderTheSameKeyOnly) {
   const ChartCells cells(folder_, "program 1; ", OutputGuard());
-  const ChartCell cell{.psnr_dB = kInfinity,
-                       .ssim = 1.0 / 3.0,
-                       .silhouette_psnr_dB = 40.1,
-                       .coverage_error = 1e-9,
-                       .visible_error = 1.0 / 7.0,
-                       .expected_error = 0.7,
-                       .tolerance_met = true,
-                       .quality_level = QualityLevel::fine,
+  const ChartCell cell{.errors = {.psnr_dB = kInfinity,
+                                  .ssim = 1.0 / 3.0,
+                                  .silhouette_psnr_dB = 40.1,
+                                  .coverage_error = 1e-9,
+                                  .visible_error = 1.0 / 7.0,
+                                  .flip = 0.25,
+                                  .expected_error = 0.7,
+                                  .tolerance_met = true,
+                                  .quality_level = QualityLevel::fine},
                        .first_ms = 7.25,
                        .ms = {{1, {2.0, 3.0}}, {16, {0.1}}}};
   cells.store("a", "plane", cell);
   const auto back = cells.load("a", "plane");
   ASSERT_TRUE(back);
-  EXPECT_EQ(back->psnr_dB, kInfinity);
-  EXPECT_EQ(back->ssim, cell.ssim);
-  EXPECT_EQ(back->silhouette_psnr_dB, cell.silhouette_psnr_dB);
-  EXPECT_EQ(back->coverage_error, cell.coverage_error);
-  EXPECT_EQ(back->visible_error, cell.visible_error);
-  EXPECT_EQ(back->expected_error, cell.expected_error);
-  EXPECT_EQ(back->tolerance_met, cell.tolerance_met);
-  EXPECT_EQ(back->quality_level, cell.quality_level);
+  const ChartErrors& errors = back->errors;
+  EXPECT_EQ(errors.psnr_dB, kInfinity);
+  EXPECT_EQ(errors.ssim, cell.errors.ssim);
+  EXPECT_EQ(errors.silhouette_psnr_dB, cell.errors.silhouette_psnr_dB);
+  EXPECT_EQ(errors.coverage_error, cell.errors.coverage_error);
+  EXPECT_EQ(errors.visible_error, cell.errors.visible_error);
+  EXPECT_EQ(errors.flip, cell.errors.flip);
+  EXPECT_EQ(errors.expected_error, cell.errors.expected_error);
+  EXPECT_EQ(errors.tolerance_met, cell.errors.tolerance_met);
+  EXPECT_EQ(errors.quality_level, cell.errors.quality_level);
   EXPECT_EQ(back->first_ms, cell.first_ms);
   EXPECT_EQ(back->ms, cell.ms);
   EXPECT_FALSE(cells.load("b", "plane"));
   EXPECT_FALSE(cells.load("a", "plane "));
   EXPECT_FALSE(ChartCells(folder_, "program 2; ", OutputGuard()).load("a", "plane"));
 
-  cells.store("a", "plane", {.silhouette_psnr_dB = {}});
-  EXPECT_EQ(cells.load("a", "plane")->silhouette_psnr_dB, std::nullopt);
+  cells.store("a", "plane", {.errors = {.silhouette_psnr_dB = {}}});
+  EXPECT_EQ(cells.load("a", "plane")->errors.silhouette_psnr_dB, std::nullopt);
 }
 
 TEST_F(ChartCellsTest, CountsForeignFilesAsAbsent) {

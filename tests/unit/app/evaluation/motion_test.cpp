@@ -120,7 +120,7 @@ TEST(MeasureMotion, SomethingMovesOnEveryPathOfAQuickRun) {
   plan.views = 3;
   const TemporaryFolder folder;
   for (const MotionPoint& one :
-       measureMotion(plan, folder.path(), OutputGuard(), [](std::size_t) {}).points) {
+       measureMotion(plan, folder.path(), OutputGuard(), [](std::size_t) {}).rows) {
     EXPECT_GT(one.light_worst, 0.0) << one.path;
   }
 }
@@ -132,9 +132,10 @@ TEST(MeasureMotion, FindsNoExcessInTheReference) {
       {.quick = true, .size_px = 24, .scenes = {"plane"}, .methods = {"accumulate:3", "pinhole"}});
   plan.views = 3;
   const TemporaryFolder folder;
-  const MotionResult result = measureMotion(plan, folder.path(), OutputGuard(), [](std::size_t) {});
-  ASSERT_EQ(result.points.size(), 2 * kMotionPaths.size());
-  for (const MotionPoint& one : result.points) {
+  const Measured<MotionPoint> result =
+      measureMotion(plan, folder.path(), OutputGuard(), [](std::size_t) {});
+  ASSERT_EQ(result.rows.size(), 2 * kMotionPaths.size());
+  for (const MotionPoint& one : result.rows) {
     if (one.method.name == "accumulate") {
       EXPECT_LT(one.light_worst, 0.002) << one.path;
       EXPECT_LT(one.jnd_worst, 0.1) << one.path;
