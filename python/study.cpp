@@ -16,7 +16,6 @@
 #include "app/study/study_request.h"
 #include "python/bindings.h"
 #include "python/image.h"
-#include "python/study.h"
 
 namespace py = pybind11;
 
@@ -180,9 +179,8 @@ void bindStudy(py::module_& module) {
           py::arg("set") = py::dict(),
           "path: a study (TOML) or a scene. scene, trace, look, up: the command's options of these "
           "names.\nset: values of keys, such as {\"focus.fixed_D\": 2}; None sets the default.")
-      .def_property_readonly(
-          "framing", [](const StudyAsked& asked) { return asked.framing; },
-          "What was chosen for a scene, and why; empty for a study.")
+      .def_readonly("framing", &StudyAsked::framing,
+                    "What was chosen for a scene, and why; empty for a study.")
       .def_property_readonly("keys", &keysOf, "Every key of the study with the value in force.")
       .def(
           "save",
