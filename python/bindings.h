@@ -125,13 +125,17 @@ void requireLater(double time_s, double before_s);
 /// What Python calls a recording: a trace that does not change.
 using Recording = std::shared_ptr<GazeTrace>;
 
+/// What the function returns. It runs without the interpreter's lock.
+template <typename Function>
+auto outsideInterpreter(const Function& function) {
+  const pybind11::gil_scoped_release released;
+  return function();
+}
+
 /// Locks the mutex. If another thread holds it, waits without the interpreter's lock.
 inline std::unique_lock<std::mutex> lockOutsideInterpreter(std::mutex& mutex) {
   std::unique_lock lock(mutex, std::try_to_lock);
-  if (!lock.owns_lock()) {
-    const pybind11::gil_scoped_release released;
-    lock.lock();
-  }
+  if (!lock.owns_lock()) outsideInterpreter([&] { lock.lock(); });
   return lock;
 }
 

@@ -91,11 +91,7 @@ EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
     inRange("gaze_px[1]", gaze_px->y, 0.0, screen.size_px.y);
     point_px = *gaze_px;
   }
-  EyeImage image;
-  {
-    const py::gil_scoped_release released;
-    image = scene.render(settings, point_px, depth);
-  }
+  EyeImage image = outsideInterpreter([&] { return scene.render(settings, point_px, depth); });
   const auto& rgba = image.rendered->frame.rgba;
   if (std::ranges::all_of(rgba, [](const glm::vec4& pixel) { return pixel.a <= 0.0f; })) {
     Study study;

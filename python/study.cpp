@@ -15,7 +15,7 @@
 #include "app/study/scene_study.h"
 #include "app/study/study_request.h"
 #include "python/bindings.h"
-#include "python/image.h"
+#include "python/scene.h"
 
 namespace py = pybind11;
 
@@ -118,11 +118,7 @@ class Replay {
 };
 
 std::shared_ptr<Replay> replayOf(const StudyAsked& asked, bool depth) {
-  std::shared_ptr<Replay> replay;
-  {
-    const py::gil_scoped_release released;
-    replay = std::make_shared<Replay>(asked, depth);
-  }
+  auto replay = outsideInterpreter([&] { return std::make_shared<Replay>(asked, depth); });
   replay->raiseWarnings();
   return replay;
 }
@@ -199,15 +195,10 @@ void bindStudy(py::module_& module) {
       .def("__len__", &Replay::frames)
       .def("__iter__",
            [](const std::shared_ptr<Replay>& replay) {
-             const py::gil_scoped_release released;
-             return std::make_unique<Frames>(replay);
+             return outsideInterpreter([&] { return std::make_unique<Frames>(replay); });
            })
       .def("_table", [](Replay& replay, const std::string& name) {
-        std::string text;
-        {
-          const py::gil_scoped_release released;
-          text = replay.table(name);
-        }
+        std::string text = outsideInterpreter([&] { return replay.table(name); });
         replay.raiseWarnings();
         return text;
       });
