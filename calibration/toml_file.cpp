@@ -116,8 +116,8 @@ std::string firstLine(const std::exception& error) {
   text = text.substr(0, text.find('\n'));
   if (text.starts_with("[error] ")) text = text.substr(8);
   if (text.starts_with("toml::")) text = text.substr(std::min(text.size(), text.find(": ") + 2));
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   return text.empty() ? "not TOML" : text.substr(0, 200);
 }
 

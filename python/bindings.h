@@ -7,14 +7,39 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "gaze/geometry/gaze_sample.h"
+
+/// A vector is a tuple in Python, which may pass any sequence of as many numbers.
+template <glm::length_t kSize, typename Number>
+struct pybind11::detail::type_caster<glm::vec<kSize, Number>> {
+  using Vector = glm::vec<kSize, Number>;
+  using Numbers = std::array<Number, kSize>;
+  PYBIND11_TYPE_CASTER(Vector, make_caster<Numbers>::name);
+
+  bool load(handle source, bool convert) {
+    make_caster<Numbers> numbers;
+    if (!numbers.load(source, convert)) return false;
+    std::ranges::copy(cast_op<Numbers&>(numbers), &value[0]);
+    return true;
+  }
+  static handle cast(const Vector& vector, return_value_policy, handle) {
+    tuple numbers(kSize);
+    for (int k = 0; k < kSize; ++k) numbers[k] = vector[k];
+    return numbers.release();
+  }
+};
 
 namespace foci {
 
@@ -24,14 +49,10 @@ void bindImage(pybind11::module_& module);
 void bindRecordings(pybind11::module_& module);
 void bindCalibration(pybind11::module_& module);
 void bindSession(pybind11::module_& module);
+void bindStudy(pybind11::module_& module);
 
-/// A pair or a triple of numbers, as Python passes it.
-using Pair = std::array<double, 2>;
-using Triple = std::array<double, 3>;
-inline glm::dvec2 vectorOf(const Pair& pair) { return {pair[0], pair[1]}; }
-inline glm::dvec3 vectorOf(const Triple& triple) { return {triple[0], triple[1], triple[2]}; }
-inline Pair pairOf(const glm::dvec2& v) { return {v.x, v.y}; }
-inline Triple tripleOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+/// Raises a UserWarning.
+void warn(const std::string& text);
 
 /// Any array of numbers, as doubles in C order. No copy where it is one already.
 using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
@@ -85,13 +106,36 @@ pybind11::array tableOfRows(const std::vector<Row>& rows,
   return pybind11::array(type, static_cast<pybind11::ssize_t>(rows.size()), rows.data());
 }
 
+/// Columns of gaze samples of the same length. NaN in x, y or pupil stands for an absent value.
+struct SampleColumns {
+  pybind11::ssize_t rows = 0;
+  const double *t = nullptr, *x = nullptr, *y = nullptr, *pupil = nullptr;
+
+  GazeSample at(pybind11::ssize_t row) const;
+};
+
+/// Points into the arrays. Times are finite and increase.
+/// @throws InputError
+SampleColumns columnsOf(const Numbers& t, const Numbers& x, const Numbers& y,
+                        const std::optional<Numbers>& pupil);
+
+/// @throws InputError unless `time_s` is finite and later than `before_s`
+void requireLater(double time_s, double before_s);
+
+/// What Python calls a recording: a trace that does not change.
+using Recording = std::shared_ptr<GazeTrace>;
+
+/// What the function returns. It runs without the interpreter's lock.
+template <typename Function>
+auto outsideInterpreter(const Function& function) {
+  const pybind11::gil_scoped_release released;
+  return function();
+}
+
 /// Locks the mutex. If another thread holds it, waits without the interpreter's lock.
 inline std::unique_lock<std::mutex> lockOutsideInterpreter(std::mutex& mutex) {
   std::unique_lock lock(mutex, std::try_to_lock);
-  if (!lock.owns_lock()) {
-    const pybind11::gil_scoped_release released;
-    lock.lock();
-  }
+  if (!lock.owns_lock()) outsideInterpreter([&] { lock.lock(); });
   return lock;
 }
 

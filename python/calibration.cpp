@@ -7,7 +7,6 @@
 #include "calibration/gaze_map/gaze_map.h"
 #include "calibration/gaze_map/gaze_report.h"
 #include "python/bindings.h"
-#include "python/samples.h"
 
 namespace py = pybind11;
 

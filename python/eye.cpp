@@ -12,17 +12,16 @@ namespace {
 // The ranges are those of the study's keys.
 constexpr double kFar_m = 1e6;
 
-glm::dvec3 checkedPoint(const char* argument, const Triple& point_m) {
-  for (const double coordinate : point_m) inRange(argument, coordinate, -kFar_m, kFar_m);
-  return vectorOf(point_m);
+glm::dvec3 checkedPoint(const char* argument, const glm::dvec3& point_m) {
+  for (int axis = 0; axis < 3; ++axis) inRange(argument, point_m[axis], -kFar_m, kFar_m);
+  return point_m;
 }
 
-Screen makeScreen(const std::array<int, 2>& size_px, const Pair& size_m, double distance_m) {
-  for (const int side : size_px) inRange("size_px", side, 16, 16384);
-  for (const double side : size_m) inRange("size_m", side, 0.01, 20.0);
+Screen makeScreen(const glm::ivec2& size_px, const glm::dvec2& size_m, double distance_m) {
+  for (const int side : {size_px.x, size_px.y}) inRange("size_px", side, 16, 16384);
+  for (const double side : {size_m.x, size_m.y}) inRange("size_m", side, 0.01, 20.0);
   inRange("distance_m", distance_m, 0.01, 100.0);
-  return {
-      .size_px = {size_px[0], size_px[1]}, .size_m = vectorOf(size_m), .distance_m = distance_m};
+  return {.size_px = size_px, .size_m = size_m, .distance_m = distance_m};
 }
 
 /// The second order belongs to sphere_D and cylinder_D, as in a study whose observer wears glasses.
@@ -41,8 +40,8 @@ Wavefront wavefrontOf(const std::vector<double>& zernike_um,
   return withoutRefraction({.zernike_um = zernike_um, .pupil_m = *pupil_mm / 1000.0});
 }
 
-StillEye makeEye(double pupil_mm, const Triple& position_m, const Triple& look_at_m,
-                 const Triple& up, const std::optional<double>& age_years, double sphere_D,
+StillEye makeEye(double pupil_mm, const glm::dvec3& position_m, const glm::dvec3& look_at_m,
+                 const glm::dvec3& up, const std::optional<double>& age_years, double sphere_D,
                  double cylinder_D, double axis_deg, bool chromatic,
                  const std::vector<double>& wavefront_um,
                  const std::optional<double>& wavefront_pupil_mm, bool stiles_crawford,
@@ -73,7 +72,7 @@ std::string textOf(const Screen& screen) {
 
 std::string textOf(const StillEye& eye) {
   return py::str("Eye(pupil_mm={:g}, position_m={}, look_at_m={})")
-      .format(eye.pupil_mm, py::cast(tripleOf(eye.position_m)), py::cast(tripleOf(eye.look_at_m)));
+      .format(eye.pupil_mm, py::list(py::cast(eye.position_m)), py::list(py::cast(eye.look_at_m)));
 }
 
 }  // namespace
@@ -86,8 +85,8 @@ EyePath pathOf(const StillEye& eye) {
 SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
                            const PictureOptions& options) {
   SessionSettings settings;
-  for (const double channel : options.background) inRange("background", channel, 0.0, 1.0);
-  settings.background = glm::vec3(vectorOf(options.background));
+  for (int k = 0; k < 3; ++k) inRange("background", options.background[k], 0.0, 1.0);
+  settings.background = glm::vec3(options.background);
   settings.shading = static_cast<float>(inRange("shading", options.shading, 0.0, 1.0));
   settings.path = pathOf(eye);
   settings.screen = screen;
@@ -102,7 +101,7 @@ SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
   settings.device = RenderDevice::cpu;  // a session in Python renders in the thread that asks
   settings.quality.tolerance = inRange("tolerance", options.tolerance, 0.1, 100.0);
   settings.output.size_px = screen.size_px;
-  if (const auto& size = options.size_px) settings.output.size_px = {(*size)[0], (*size)[1]};
+  if (options.size_px) settings.output.size_px = *options.size_px;
   for (const int side : {settings.output.size_px.x, settings.output.size_px.y}) {
     inRange("size_px", side, 16, 8192);
   }
@@ -118,14 +117,10 @@ void bindScreenAndEye(py::module_& module) {
                      "A flat screen whose centre the eye faces.\n\n"
                      "size_px: (width, height) in pixels. size_m: (width, height) in metres.\n"
                      "distance_m: from the eye to the screen's centre, metres.")
-      .def(py::init(&makeScreen), py::arg("size_px") = std::array<int, 2>{1920, 1080},
-           py::arg("size_m") = pairOf(usual.size_m), py::arg("distance_m") = usual.distance_m)
-      .def_property_readonly(
-          "size_px", [](const Screen& s) { return py::make_tuple(s.size_px.x, s.size_px.y); },
-          "(width, height), pixels.")
-      .def_property_readonly(
-          "size_m", [](const Screen& s) { return py::make_tuple(s.size_m.x, s.size_m.y); },
-          "(width, height) of the visible area, metres.")
+      .def(py::init(&makeScreen), py::arg("size_px") = glm::ivec2(1920, 1080),
+           py::arg("size_m") = usual.size_m, py::arg("distance_m") = usual.distance_m)
+      .def_readonly("size_px", &Screen::size_px, "(width, height), pixels.")
+      .def_readonly("size_m", &Screen::size_m, "(width, height) of the visible area, metres.")
       .def_readonly("distance_m", &Screen::distance_m, "From the eye to the screen, metres.")
       .def("__repr__", [](const Screen& s) { return textOf(s); });
 
@@ -141,28 +136,21 @@ void bindScreenAndEye(py::module_& module) {
       "indices 0 to 5 have no effect. stiles_crawford: light near the rim of the pupil counts "
       "less.\n"
       "diffraction: the blur of a small pupil, at 555 nm.")
-      .def(py::init(&makeEye), py::arg("pupil_mm") = 4.0,
-           py::arg("position_m") = Triple{0.0, 0.0, 0.0},
-           py::arg("look_at_m") = Triple{0.0, 0.0, -1.0}, py::arg("up") = Triple{0.0, 1.0, 0.0},
-           py::arg("age_years") = py::none(), py::arg("sphere_D") = 0.0,
-           py::arg("cylinder_D") = 0.0, py::arg("axis_deg") = 0.0, py::arg("chromatic") = false,
-           py::arg("wavefront_um") = std::vector<double>(),
+      .def(py::init(&makeEye), py::arg("pupil_mm") = 4.0, py::arg("position_m") = glm::dvec3(0.0),
+           py::arg("look_at_m") = glm::dvec3(0.0, 0.0, -1.0),
+           py::arg("up") = glm::dvec3(0.0, 1.0, 0.0), py::arg("age_years") = py::none(),
+           py::arg("sphere_D") = 0.0, py::arg("cylinder_D") = 0.0, py::arg("axis_deg") = 0.0,
+           py::arg("chromatic") = false, py::arg("wavefront_um") = std::vector<double>(),
            py::arg("wavefront_pupil_mm") = py::none(), py::arg("stiles_crawford") = false,
            py::arg("diffraction") = false)
       .def_readonly("pupil_mm", &StillEye::pupil_mm, "Diameter of the pupil, millimetres.")
       .def_readonly("age_years", &StillEye::age_years, "Limits accommodation; None: no limit.")
       .def_readonly("chromatic", &StillEye::chromatic,
                     "Whether colours focus at different distances.")
-      .def_property_readonly(
-          "position_m",
-          [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.position_m))); },
-          "(x, y, z), metres in the scene.")
-      .def_property_readonly(
-          "look_at_m", [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.look_at_m))); },
-          "(x, y, z) that the screen's centre shows, metres.")
-      .def_property_readonly(
-          "up", [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.up))); },
-          "(x, y, z), roughly upwards.")
+      .def_readonly("position_m", &StillEye::position_m, "(x, y, z), metres in the scene.")
+      .def_readonly("look_at_m", &StillEye::look_at_m,
+                    "(x, y, z) that the screen's centre shows, metres.")
+      .def_readonly("up", &StillEye::up, "(x, y, z), roughly upwards.")
       .def("__repr__", [](const StillEye& e) { return textOf(e); });
 }
 

@@ -1,7 +1,6 @@
 // The observer's eye as Python describes it, and the settings that it makes.
 #pragma once
 
-#include <array>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -23,9 +22,9 @@ struct StillEye {
 
 /// What a picture is made with, besides eye and screen.
 struct PictureOptions {
-  std::optional<std::array<int, 2>> size_px;  ///< absent: the screen's
+  std::optional<glm::ivec2> size_px;  ///< absent: the screen's
   std::string method;
-  std::array<double, 3> background;
+  glm::dvec3 background;
   double shading, tolerance;
 };
 

@@ -1,10 +1,10 @@
-#include "python/image.h"
-
+// A rendered image: its arrays, and the frames behind them.
 #include <utility>
 
 #include "base/input_error.h"
 #include "base/parallel.h"
 #include "python/bindings.h"
+#include "python/scene.h"
 #include "render/image/image_file.h"
 #include "render/image/srgb.h"
 
@@ -78,11 +78,8 @@ py::array_t<float> blurMap(const EyeImage& image) {
 py::array_t<std::uint8_t> codes(const EyeImage& image, const std::optional<double>& gamma) {
   if (gamma) inRange("gamma", *gamma, 1.0, 4.0);
   const Frame& frame = image.rendered->frame;
-  std::unique_ptr<std::vector<std::uint8_t>> bytes;
-  {
-    const py::gil_scoped_release released;
-    bytes = std::make_unique<std::vector<std::uint8_t>>(codesOf(frame, gamma));
-  }
+  auto bytes = outsideInterpreter(
+      [&] { return std::make_unique<std::vector<std::uint8_t>>(codesOf(frame, gamma)); });
   const std::uint8_t* data = bytes->data();
   const py::capsule owner(bytes.release(), [](void* owned) {
     delete static_cast<std::vector<std::uint8_t>*>(

@@ -3,7 +3,6 @@
 
 #include "base/input_error.h"
 #include "python/bindings.h"
-#include "python/study.h"
 #include "render/literature/literature.h"
 #include "render/methods/method.h"
 

@@ -1,14 +1,14 @@
 // Recordings and their events.
+#include <algorithm>
 #include <filesystem>
 
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/events/event_labels.h"
 #include "gaze/events/recording_quality.h"
-#include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
 #include "gaze/sources/trace_summary.h"
-#include "python/samples.h"
+#include "python/bindings.h"
 
 namespace py = pybind11;
 
@@ -158,13 +158,14 @@ Recording openRecording(const std::filesystem::path& path, const std::optional<S
       readTrace(path, {}, screen.value_or(defaultScreen()), rate_Hz));
 }
 
-/// A new array of one number for each sample.
+/// A property: a new array of one number for each sample.
 template <typename Function>
-py::array_t<double> column(const GazeTrace& trace, const Function& function) {
-  py::array_t<double> numbers(static_cast<py::ssize_t>(trace.samples.size()));
-  double* out = numbers.mutable_data();
-  for (const GazeSample& sample : trace.samples) *out++ = function(sample);
-  return numbers;
+auto column(Function function) {
+  return [function](const GazeTrace& trace) {
+    py::array_t<double> numbers(static_cast<py::ssize_t>(trace.samples.size()));
+    std::ranges::transform(trace.samples, numbers.mutable_data(), function);
+    return numbers;
+  };
 }
 
 }  // namespace
@@ -209,27 +210,13 @@ void bindRecordings(py::module_& module) {
            py::arg("pupil_mm") = py::none(), py::arg("screen") = defaultScreen(),
            py::arg("rate_Hz") = py::none(),
            "t: (N,), seconds. x, y: (N,), pixels of the screen, origin top-left. pupil_mm: (N,).")
-      .def_property_readonly(
-          "t", [](const GazeTrace& r) { return column(r, [](const auto& s) { return s.time_s; }); },
-          "Seconds, (N,).")
-      .def_property_readonly(
-          "x",
-          [](const GazeTrace& r) {
-            return column(r, [](const GazeSample& s) { return orNaN(s.point_px).x; });
-          },
-          "Pixels from the screen's left edge, (N,); NaN in data loss.")
-      .def_property_readonly(
-          "y",
-          [](const GazeTrace& r) {
-            return column(r, [](const GazeSample& s) { return orNaN(s.point_px).y; });
-          },
-          "Pixels from the screen's upper edge, (N,); NaN in data loss.")
-      .def_property_readonly(
-          "pupil_mm",
-          [](const GazeTrace& r) {
-            return column(r, [](const auto& s) { return orNaN(s.pupil_mm); });
-          },
-          "Diameter of the pupil, millimetres, (N,); NaN where unknown.")
+      .def_property_readonly("t", column(&GazeSample::time_s), "Seconds, (N,).")
+      .def_property_readonly("x", column([](const auto& s) { return orNaN(s.point_px).x; }),
+                             "Pixels from the screen's left edge, (N,); NaN in data loss.")
+      .def_property_readonly("y", column([](const auto& s) { return orNaN(s.point_px).y; }),
+                             "Pixels from the screen's upper edge, (N,); NaN in data loss.")
+      .def_property_readonly("pupil_mm", column([](const auto& s) { return orNaN(s.pupil_mm); }),
+                             "Diameter of the pupil, millimetres, (N,); NaN where unknown.")
       .def_property_readonly(
           "screen", [](const GazeTrace& r) { return *r.screen; }, "That x and y lie on.")
       .def_readonly("rate_Hz", &GazeTrace::rate_Hz, "Sampling rate, nominal or median, hertz.")

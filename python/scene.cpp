@@ -10,7 +10,6 @@
 #include "base/mapped_file.h"
 #include "python/bindings.h"
 #include "python/eye.h"
-#include "python/study.h"
 #include "render/scene/estimation/estimate.h"
 
 namespace py = pybind11;
@@ -36,14 +35,12 @@ std::vector<glm::vec3> vectorsOf(const char* argument, const Numbers& array, py:
 }
 
 std::shared_ptr<Scene> openFile(const std::filesystem::path& path, double scale_m,
-                                const std::optional<Triple>& viewpoint_m) {
+                                const std::optional<glm::vec3>& viewpoint_m) {
   inRange("scale_m", scale_m, 1e-9, 1e9);
-  std::optional<glm::vec3> viewpoint;
-  if (viewpoint_m) viewpoint = glm::vec3(vectorOf(*viewpoint_m));
   const py::gil_scoped_release released;
   requireRegularFile(path);
   endOnLostPagesUnlessHandled();
-  return std::make_shared<Scene>(openScene(path, scale_m, viewpoint));
+  return std::make_shared<Scene>(openScene(path, scale_m, viewpoint_m));
 }
 
 std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional<Numbers>& color,
@@ -76,15 +73,10 @@ std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional
   return std::make_shared<Scene>(OpenedScene{.cloud = surfelsFromPoints(std::move(points))});
 }
 
-py::tuple bounds(const Scene& scene) {
-  const auto [low, high] = boxOf(positionsOf(scene.cloud()));
-  return py::make_tuple(py::tuple(py::cast(tripleOf(low))), py::tuple(py::cast(tripleOf(high))));
-}
-
 EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
-                const std::optional<double>& focus_m, const std::optional<Pair>& gaze_px,
-                const std::optional<std::array<int, 2>>& size_px, const std::string& method,
-                const Triple& background, double shading, double tolerance, bool depth) {
+                const std::optional<double>& focus_m, const std::optional<glm::dvec2>& gaze_px,
+                const std::optional<glm::ivec2>& size_px, const std::string& method,
+                const glm::dvec3& background, double shading, double tolerance, bool depth) {
   SessionSettings settings =
       settingsOf(eye, screen, {size_px, method, background, shading, tolerance});
   if (focus_m && gaze_px) throw InputError("focus_m and gaze_px", "give one of them");
@@ -95,15 +87,11 @@ EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
   }
   glm::dvec2 point_px = 0.5 * glm::dvec2(screen.size_px);
   if (gaze_px) {
-    inRange("gaze_px[0]", (*gaze_px)[0], 0.0, screen.size_px.x);
-    inRange("gaze_px[1]", (*gaze_px)[1], 0.0, screen.size_px.y);
-    point_px = vectorOf(*gaze_px);
+    inRange("gaze_px[0]", gaze_px->x, 0.0, screen.size_px.x);
+    inRange("gaze_px[1]", gaze_px->y, 0.0, screen.size_px.y);
+    point_px = *gaze_px;
   }
-  EyeImage image;
-  {
-    const py::gil_scoped_release released;
-    image = scene.render(settings, point_px, depth);
-  }
+  EyeImage image = outsideInterpreter([&] { return scene.render(settings, point_px, depth); });
   const auto& rgba = image.rendered->frame.rgba;
   if (std::ranges::all_of(rgba, [](const glm::vec4& pixel) { return pixel.a <= 0.0f; })) {
     Study study;
@@ -159,8 +147,9 @@ void bindScene(py::module_& module) {
                   "position_m: (N, 3), metres. color: (N, 3), linear RGB; None: mid-grey. normal: "
                   "(N, 3), any\nlength; None: estimated. radius_m: (N,), of discs that close the "
                   "gaps; None: estimated.")
-      .def_property_readonly("bounds_m", &bounds,
-                             "((x, y, z), (x, y, z)): the lowest and the highest coordinates.")
+      .def_property_readonly(
+          "bounds_m", [](const Scene& s) { return boxOf(positionsOf(s.cloud())); },
+          "((x, y, z), (x, y, z)): the lowest and the highest coordinates.")
       .def_property_readonly(
           "remarks", [](const Scene& s) { return s.opened().remarks; },
           "What is worth knowing about the file, a sentence each.")
@@ -174,8 +163,8 @@ void bindScene(py::module_& module) {
       "render", &render, py::arg("scene"), py::arg("eye"), py::arg("screen") = defaultScreen(),
       py::kw_only(), py::arg("focus_m") = py::none(), py::arg("gaze_px") = py::none(),
       py::arg("size_px") = py::none(), py::arg("method") = "auto",
-      py::arg("background") = Triple{0.0, 0.0, 0.0}, py::arg("shading") = 0.0,
-      py::arg("tolerance") = 1.0, py::arg("depth") = true,
+      py::arg("background") = glm::dvec3(0.0), py::arg("shading") = 0.0, py::arg("tolerance") = 1.0,
+      py::arg("depth") = true,
       "Render what the eye sees through the screen.\n\n"
       "focus_m: distance of focus, metres, 0.05 to inf. gaze_px: (x, y) on the screen; the eye "
       "focuses the\nsurface there. Neither: the surface at the screen's centre. size_px: (width, "

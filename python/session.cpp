@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "base/input_error.h"
+#include "python/bindings.h"
 #include "python/eye.h"
-#include "python/samples.h"
 #include "python/scene.h"
 
 namespace py = pybind11;
@@ -157,8 +157,8 @@ PupilModel pupilNamed(const std::string& name) {
 
 std::unique_ptr<LiveSession> makeSession(std::shared_ptr<Scene> scene, const StillEye& eye,
                                          const Screen& screen, double rate_Hz, double start_s,
-                                         const std::optional<std::array<int, 2>>& size_px,
-                                         const std::string& method, const Triple& background,
+                                         const std::optional<glm::ivec2>& size_px,
+                                         const std::string& method, const glm::dvec3& background,
                                          double shading, double tolerance,
                                          const std::optional<double>& frame_ms, bool foveated,
                                          const std::string& pupil, double latency_s,
@@ -185,23 +185,16 @@ GazeSample sampleOf(double t, double x, double y, const std::optional<double>& p
   return sample;
 }
 
-py::object pointOrNone(const std::optional<glm::dvec2>& point) {
-  if (!point) return py::none();
-  return py::make_tuple(point->x, point->y);
-}
-
 void bindState(py::module_& module) {
   py::class_<FrameRecord>(module, "State", "The observer's eye at a moment.")
       .def_readonly("time_s", &FrameRecord::time_s, "Seconds on the clock of the samples.")
       .def_property_readonly(
           "state", [](const FrameRecord& r) { return nameOf(r.eye.state); },
           "fixation, saccade, pursuit, blink or lost.")
-      .def_property_readonly(
-          "gaze_px", [](const FrameRecord& r) { return pointOrNone(r.gaze_px); },
-          "(x, y) on the screen; None in a blink and in data loss.")
-      .def_property_readonly(
-          "fixation_px", [](const FrameRecord& r) { return pointOrNone(r.fixation_px); },
-          "(x, y) of the last fixation; None before the first.")
+      .def_readonly("gaze_px", &FrameRecord::gaze_px,
+                    "(x, y) on the screen; None in a blink and in data loss.")
+      .def_readonly("fixation_px", &FrameRecord::fixation_px,
+                    "(x, y) of the last fixation; None before the first.")
       .def_property_readonly(
           "surface_distance_m", [](const FrameRecord& r) { return r.eye.surface_distance_m; },
           "Distance of the fixated surface, metres; None if there is none.")
@@ -229,7 +222,7 @@ void bindSession(py::module_& module) {
       .def(py::init(&makeSession), py::arg("scene"), py::arg("eye"),
            py::arg("screen") = defaultScreen(), py::kw_only(), py::arg("rate_Hz"),
            py::arg("start_s") = 0.0, py::arg("size_px") = py::none(), py::arg("method") = "auto",
-           py::arg("background") = Triple{0.0, 0.0, 0.0}, py::arg("shading") = 0.0,
+           py::arg("background") = glm::dvec3(0.0), py::arg("shading") = 0.0,
            py::arg("tolerance") = 1.0, py::arg("frame_ms") = py::none(),
            py::arg("foveated") = false, py::arg("pupil") = "fixed",
            py::arg("latency_s") = usual.latency_s,

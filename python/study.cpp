@@ -14,8 +14,7 @@
 #include "app/study/scene_study.h"
 #include "app/study/study_request.h"
 #include "python/bindings.h"
-#include "python/image.h"
-#include "python/study.h"
+#include "python/scene.h"
 
 namespace py = pybind11;
 
@@ -118,11 +117,7 @@ class Replay {
 };
 
 std::shared_ptr<Replay> replayOf(const StudyAsked& asked, bool depth) {
-  std::shared_ptr<Replay> replay;
-  {
-    const py::gil_scoped_release released;
-    replay = std::make_shared<Replay>(asked, depth);
-  }
+  auto replay = outsideInterpreter([&] { return std::make_shared<Replay>(asked, depth); });
   replay->raiseWarnings();
   return replay;
 }
@@ -179,9 +174,8 @@ void bindStudy(py::module_& module) {
           py::arg("set") = py::dict(),
           "path: a study (TOML) or a scene. scene, trace, look, up: the command's options of these "
           "names.\nset: values of keys, such as {\"focus.fixed_D\": 2}; None sets the default.")
-      .def_property_readonly(
-          "framing", [](const StudyAsked& asked) { return asked.framing; },
-          "What was chosen for a scene, and why; empty for a study.")
+      .def_readonly("framing", &StudyAsked::framing,
+                    "What was chosen for a scene, and why; empty for a study.")
       .def_property_readonly("keys", &keysOf, "Every key of the study with the value in force.")
       .def(
           "save",
@@ -200,15 +194,10 @@ void bindStudy(py::module_& module) {
       .def("__len__", &Replay::frames)
       .def("__iter__",
            [](const std::shared_ptr<Replay>& replay) {
-             const py::gil_scoped_release released;
-             return std::make_unique<Frames>(replay);
+             return outsideInterpreter([&] { return std::make_unique<Frames>(replay); });
            })
       .def("_table", [](Replay& replay, const std::string& name) {
-        std::string text;
-        {
-          const py::gil_scoped_release released;
-          text = replay.table(name);
-        }
+        std::string text = outsideInterpreter([&] { return replay.table(name); });
         replay.raiseWarnings();
         return text;
       });

@@ -100,7 +100,7 @@ std::array<std::size_t, 2> countEyes(std::span<const BinocularSample> samples) {
       }
       ++seen[eye];
     }
-    if (std::find(targets.begin(), targets.end(), sample.target_m) == targets.end() &&
+    if (std::ranges::find(targets, sample.target_m) == targets.end() &&
         targets.size() < kMinBinocularTargets) {
       targets.push_back(sample.target_m);
     }

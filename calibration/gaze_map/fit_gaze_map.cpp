@@ -53,7 +53,7 @@ void normalise(std::span<const Station> stations, GazeMap& map) {
     for (double v : values) {
       if (v <= kStray * usual) largest = std::max(largest, v);
     }
-    map.scale[axis] = largest > 0.0 ? largest : *std::max_element(values.begin(), values.end());
+    map.scale[axis] = largest > 0.0 ? largest : *std::ranges::max_element(values);
     if (map.scale[axis] <= 0.0) refuseGazeCalibration("gaze does not move along one axis");
   }
 }
@@ -275,8 +275,8 @@ GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
 
 std::vector<GazePair> keptPairs(std::span<const GazePair> pairs, const GazeFit& fit) {
   std::vector<GazePair> kept;
-  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(kept), [&](const GazePair& pair) {
-    return std::find(fit.refused.begin(), fit.refused.end(), pair.target) == fit.refused.end();
+  std::ranges::copy_if(pairs, std::back_inserter(kept), [&](const GazePair& pair) {
+    return std::ranges::find(fit.refused, pair.target) == fit.refused.end();
   });
   return kept;
 }

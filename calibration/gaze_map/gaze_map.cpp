@@ -37,7 +37,7 @@ constexpr double kMaxNumber = 1e9;
 std::string_view nameOf(GazeModel model) { return kNames[static_cast<std::size_t>(model)]; }
 
 std::optional<GazeModel> gazeModelNamed(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  const auto found = std::ranges::find(kNames, name);
   if (found == kNames.end()) return std::nullopt;
   return static_cast<GazeModel>(found - kNames.begin());
 }

@@ -24,7 +24,7 @@ constexpr std::array<glm::dvec2, 3> kTargetRange{{{-80.0, 80.0}, {-1.0, 2.0}, {-
 std::string_view nameOf(MapUnits units) { return kUnitNames[static_cast<std::size_t>(units)]; }
 
 std::optional<MapUnits> mapUnitsNamed(std::string_view name) {
-  const auto found = std::find(kUnitNames.begin(), kUnitNames.end(), name);
+  const auto found = std::ranges::find(kUnitNames, name);
   if (found == kUnitNames.end()) return std::nullopt;
   return static_cast<MapUnits>(found - kUnitNames.begin());
 }

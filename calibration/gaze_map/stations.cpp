@@ -115,9 +115,8 @@ std::vector<glm::dvec2> falseTwins(std::span<const Station> stations) {
   const double gain = gainOf(stations);
   std::vector<Station> twins, others;
   for (const Station& s : stations) {
-    const bool is_twin = std::any_of(stations.begin(), stations.end(), [&](const Station& other) {
-      return areTwins(s, other, gain);
-    });
+    const bool is_twin = std::ranges::any_of(
+        stations, [&](const Station& other) { return areTwins(s, other, gain); });
     (is_twin ? twins : others).push_back(s);
   }
   const auto map = twins.empty() ? std::nullopt : affineThrough(others);
@@ -127,7 +126,7 @@ std::vector<glm::dvec2> falseTwins(std::span<const Station> stations) {
       const Eigen::RowVector2d seen = Eigen::RowVector3d(1.0, s.gaze.x, s.gaze.y) * *map;
       return glm::distance(station.target, glm::dvec2(seen[0], seen[1]));
     };
-    const bool is_false = std::any_of(twins.begin(), twins.end(), [&](const Station& other) {
+    const bool is_false = std::ranges::any_of(twins, [&](const Station& other) {
       return areTwins(s, other, gain) && !(map && missed(s) < missed(other));
     });
     if (is_false) targets.push_back(s.target);
@@ -153,9 +152,7 @@ std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations) {
     if (drop([&](const Station& s) { return isScattered(s, extent); }) == 0) break;
   }
   const std::vector<glm::dvec2> twins = falseTwins(kept);
-  drop([&](const Station& s) {
-    return std::find(twins.begin(), twins.end(), s.target) != twins.end();
-  });
+  drop([&](const Station& s) { return std::ranges::find(twins, s.target) != twins.end(); });
   if (kept.size() < kMinTargets || 2 * kept.size() < stations.size()) return {};
   stations = std::move(kept);
   std::vector<glm::dvec2> targets;

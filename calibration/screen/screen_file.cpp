@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "calibration/calibration_file.h"
 
@@ -64,20 +65,14 @@ double numberIn(const Json& calibration, const char* key, double low, double hig
 }  // namespace
 
 ScreenCalibration readPsychoPyMonitor(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  requireRegularFile(file);
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(name, "cannot be read");
-  std::error_code error;
-  const auto bytes = std::filesystem::file_size(file, error);
-  if (error || bytes > kMaxFile_bytes) throw InputError(name, "not a PsychoPy monitor");
+  const std::string name = file.string(), text = bytesOfFile(file, kMaxFile_bytes);
   bool too_deep = false;
   const auto shallow = [&](int depth, nlohmann::ordered_json::parse_event_t,
                            nlohmann::ordered_json&) {
     too_deep = too_deep || depth > kMaxDepth;
     return !too_deep;
   };
-  const auto document = nlohmann::ordered_json::parse(in, shallow, false);
+  const auto document = nlohmann::ordered_json::parse(text, shallow, false);
   if (document.is_discarded() || too_deep) throw InputError(name, "not JSON");
 
   // A file holds one calibration, or several by name, of which the last counts.

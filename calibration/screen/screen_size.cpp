@@ -85,7 +85,7 @@ BlindSpotDistance distanceByBlindSpot(std::span<const BlindSpotRun> runs) {
   if (kept < 2 || 2 * kept < runs.size()) {
     throw InputError(kWhere, "the runs disagree: repeat them with the head still");
   }
-  std::sort(result.refused.begin(), result.refused.end());
+  std::ranges::sort(result.refused);
   result.distance_m = sum / directions;
   result.sd_m = std::sqrt(square / static_cast<double>(kept - 1) / static_cast<double>(kept));
   refuseDistance(kWhere, result.distance_m);

@@ -123,7 +123,7 @@ GazeReport calibrateWebcam(std::span<const WebcamPair> pairs, std::span<const We
     if (!pair.view) continue;
     const glm::dvec2 target_m = screen.distance_m * glm::tan(glm::radians(pair.target_deg));
     samples.push_back({*pair.view, target_m});
-    if (std::find(targets.begin(), targets.end(), pair.target_deg) == targets.end()) {
+    if (std::ranges::find(targets, pair.target_deg) == targets.end()) {
       targets.push_back(pair.target_deg);
     }
   }

@@ -1,5 +1,6 @@
 #include "calibration/webcam/webcam_map.h"
 
+#include <ceres/normal_prior.h>
 #include <Eigen/Dense>
 #include <cmath>
 
@@ -52,30 +53,6 @@ struct ScreenError {
     }
     return true;
   }
-};
-
-/// Misfit to the prior: L (p - centre), with information = L' L.
-class PriorCost final : public ceres::CostFunction {
- public:
-  PriorCost(const Matrix& information, const std::array<double, kAll>& centre)
-      : root_(Eigen::LLT<Matrix>(information).matrixU()), centre_(centre) {
-    set_num_residuals(kAll);
-    mutable_parameter_block_sizes()->push_back(kAll);
-  }
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    Eigen::VectorXd step(kAll);
-    for (std::size_t i = 0; i < kAll; ++i) {
-      step[static_cast<Eigen::Index>(i)] = parameters[0][i] - centre_[i];
-    }
-    Eigen::Map<Eigen::VectorXd>(residuals, kAll) = root_ * step;
-    if (jacobians && jacobians[0]) Eigen::Map<Matrix>(jacobians[0], kAll, kAll) = root_;
-    return true;
-  }
-
- private:
-  Matrix root_;
-  std::array<double, kAll> centre_;
 };
 
 /// Information of the parameters at the solution, J' J, row-major.
@@ -131,6 +108,9 @@ WebcamMap fitWebcamMap(std::span<const WebcamSample> samples, const WebcamMap& p
   }
   const Matrix information =
       std::max(trust, kMinTrust) * Eigen::Map<const Matrix>(prior.information.data(), kAll, kAll);
+  // Misfit to the prior: L (p - centre), with information = L' L.
+  const Matrix root = Eigen::LLT<Matrix>(information).matrixU();
+  const Eigen::VectorXd centre = Eigen::Map<const Eigen::VectorXd>(prior.parameters.data(), kAll);
 
   // The loss needs the deviation of the samples, which only a fit tells. Begin wide, so that the
   // samples of a drifted map do not count as outliers.
@@ -144,8 +124,7 @@ WebcamMap fitWebcamMap(std::span<const WebcamSample> samples, const WebcamMap& p
                                new ceres::CauchyLoss(kCauchy * usual_deg / map.sd_deg),
                                map.parameters.data());
     }
-    problem.AddResidualBlock(new PriorCost(information, prior.parameters), nullptr,
-                             map.parameters.data());
+    problem.AddResidualBlock(new ceres::NormalPrior(root, centre), nullptr, map.parameters.data());
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.max_num_iterations = 100;

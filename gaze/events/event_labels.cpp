@@ -210,7 +210,7 @@ class DoubtFinder {
     std::size_t first = window.first;
     if (ahead_s_ < window.before_s) {
       // The samples so far cannot tell whether gaze stays after a long loss.
-      const auto cut = std::upper_bound(cuts_.begin(), cuts_.end(), i);
+      const auto cut = std::ranges::upper_bound(cuts_, i);
       if (cut != cuts_.begin()) first = std::max(first, *(cut - 1));
     }
     const double present = sums_[window.end].present - sums_[first].present;
@@ -274,8 +274,9 @@ std::string labelOf(Detector detector) {
 
 bool judgesPursuit(const GazeTrace& trace, const EventSettings& settings) {
   if (settings.pursuit) return *settings.pursuit;
-  return !trace.field || std::any_of(trace.samples.begin(), trace.samples.end(),
-                                     [](const GazeSample& sample) { return sample.head; });
+  return !trace.field || std::ranges::any_of(trace.samples, [](const auto& sample) {
+    return sample.head.has_value();
+  });
 }
 
 EventLabels labelEvents(const GazeTrace& trace, const Screen& screen, const EventSettings& settings,

@@ -90,9 +90,8 @@ class Unpacker {
 
 double calibrated(double stated, const std::vector<CalibrationKnot>& knots) {
   if (knots.empty()) return stated;
-  const auto after = std::find_if(knots.begin(), knots.end(), [&](const CalibrationKnot& knot) {
-    return knot.stated >= stated;
-  });
+  const auto after = std::ranges::find_if(
+      knots, [&](const CalibrationKnot& knot) { return knot.stated >= stated; });
   if (after == knots.begin()) return after->right;
   if (after == knots.end()) return knots.back().right;
   const CalibrationKnot &a = *(after - 1), &b = *after;

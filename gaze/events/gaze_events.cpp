@@ -36,7 +36,7 @@ class BlockNoise {
     }
     // The first samples tell no noise. Unlike the online detector, we know the next ones.
     const auto isKnown = [](const SightNoise& each) { return each.velocity_deg_s[0] > 0.0; };
-    const auto known = std::find_if(noise_.begin(), noise_.end(), isKnown);
+    const auto known = std::ranges::find_if(noise_, isKnown);
     if (known != noise_.end()) std::fill(noise_.begin(), known, *known);
   }
 

@@ -116,9 +116,8 @@ RecordingQuality qualityOf(const GazeTrace& trace, const Screen& screen,
   RecordingQuality quality{.rate_Hz = trace.rate_Hz};
   measureTimes(trace, quality);
   if (!trace.relative) measureNoise(trace, screen, states, quality);
-  quality.unjudged =
-      static_cast<double>(std::count(states.begin(), states.end(), GazeState::unjudged)) /
-      static_cast<double>(std::max<std::size_t>(states.size(), 1));
+  quality.unjudged = static_cast<double>(std::ranges::count(states, GazeState::unjudged)) /
+                     static_cast<double>(std::max<std::size_t>(states.size(), 1));
   quality.main_sequence = fitMainSequence(events);
   return quality;
 }
@@ -149,9 +148,9 @@ std::vector<std::string> eventWarnings(const GazeTrace& trace, const EventLabels
   std::vector<std::string> warnings = labels.warnings;
   const auto of_range = rangeWarnings(quality, settings);
   warnings.insert(warnings.end(), of_range.begin(), of_range.end());
-  const bool headless =
-      trace.field && std::none_of(trace.samples.begin(), trace.samples.end(),
-                                  [](const GazeSample& sample) { return sample.head; });
+  const bool headless = trace.field && std::ranges::none_of(trace.samples, [](const auto& sample) {
+                          return sample.head.has_value();
+                        });
   if (headless) {
     warnings.push_back(
         judgesPursuit(trace, settings)

@@ -172,7 +172,7 @@ class SaccadeFinder {
     for (std::size_t i = 0; i < sights_.size(); ++i) {
       if (velocities[i] && velocities[i]->speed_deg_s > thresholdAt(i)) candidates.push_back(i);
     }
-    std::sort(candidates.begin(), candidates.end(), [&](std::size_t a, std::size_t b) {
+    std::ranges::sort(candidates, [&](std::size_t a, std::size_t b) {
       const double fast_a = velocities[a]->speed_deg_s, fast_b = velocities[b]->speed_deg_s;
       return fast_a != fast_b ? fast_a > fast_b : a < b;
     });

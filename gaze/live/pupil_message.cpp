@@ -30,15 +30,12 @@ const Object* find(const Object& map, std::string_view key) {
 
 std::optional<double> numberIn(const Object* object) {
   if (!object) return std::nullopt;
-  double value = NAN;
-  if (object->type == msgpack::type::FLOAT64 || object->type == msgpack::type::FLOAT32) {
-    value = object->via.f64;
-  } else if (object->type == msgpack::type::POSITIVE_INTEGER) {
-    value = static_cast<double>(object->via.u64);
-  } else if (object->type == msgpack::type::NEGATIVE_INTEGER) {
-    value = static_cast<double>(object->via.i64);
+  try {
+    const double value = object->as<double>();
+    return std::isfinite(value) ? std::optional(value) : std::nullopt;
+  } catch (const msgpack::type_error&) {
+    return std::nullopt;
   }
-  return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 /// A list of `count` numbers.

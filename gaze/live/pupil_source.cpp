@@ -31,10 +31,10 @@ struct PupilSource::Sockets {
 
 PupilSource::PupilSource(const std::string& host, int port, const Screen& screen)
     : host_(host), port_(port), screen_(screen), sockets_(std::make_unique<Sockets>()) {
-  const bool plain = !host.empty() && host.size() <= 253 &&
-                     std::all_of(host.begin(), host.end(), [](unsigned char c) {
-                       return std::isalnum(c) || c == '.' || c == '-' || c == '_';
-                     });
+  const bool plain =
+      !host.empty() && host.size() <= 253 && std::ranges::all_of(host, [](unsigned char c) {
+        return std::isalnum(c) || c == '.' || c == '-' || c == '_';
+      });
   if (!plain) throw InputError("pupil:" + shown(host), "expected a host's name or address");
   if (port < 1 || port > 65535) {
     throw InputError("pupil:" + host + ":" + std::to_string(port), "expected a port, 1 to 65535");

@@ -208,10 +208,9 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
                                             header.format.find(','), header.format.size()));
   header.assumed.insert(header.assumed.begin(), assumed.begin(), assumed.end());
   takeAssumed(metadata, header);
-  for (const char* key : {"ScreenSize", "ScreenDistance"}) {
-    const bool is_size = std::string_view(key) == "ScreenSize";
-    const Screen& stated = before.screen;
-    if (is_size ? stated.size_m.x > 0.0 : stated.distance_m > 0.0) continue;
+  for (const auto& [key, stated] : {std::pair("ScreenSize", before.screen.size_m.x),
+                                    std::pair("ScreenDistance", before.screen.distance_m)}) {
+    if (stated > 0.0) continue;
     if (!metadata.stimulus.is_object() || !metadata.stimulus.contains(key)) continue;
     const std::string value = metadata.stimulus[key].dump();
     if (value.find_first_of("123456789") == value.npos) continue;  // "n/a"
@@ -279,11 +278,9 @@ TraceHeader readBothEyes(const fs::path& file, const BidsMetadata& metadata, con
         if (partner) {
           sample.eyes[*other_side] = partner->eyes[*other_side];
           sample.blink = own.blink && partner->blink;
-          if (own.pupil_mm && partner->pupil_mm) {
-            sample.pupil_mm = 0.5 * (*own.pupil_mm + *partner->pupil_mm);
-          }
-          if (own.pupil_own && partner->pupil_own) {
-            sample.pupil_own = 0.5 * (*own.pupil_own + *partner->pupil_own);
+          for (const auto pupil : {&GazeSample::pupil_mm, &GazeSample::pupil_own}) {
+            const auto &ours = own.*pupil, &theirs = partner->*pupil;
+            if (ours && theirs) sample.*pupil = 0.5 * (*ours + *theirs);
           }
         }
         sample.point_px =

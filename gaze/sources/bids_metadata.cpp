@@ -3,10 +3,10 @@
 #include "gaze/sources/bids.h"
 
 #include <algorithm>
-#include <fstream>
 #include <string_view>
 #include <utility>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
@@ -18,26 +18,10 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 Json readJson(const fs::path& file) {
-  std::error_code error;
   constexpr std::uintmax_t kMaxBytes = 1 << 20;  // a sidecar has a page or two
-  if (fs::file_size(file, error) > kMaxBytes || error) {
-    throw InputError(file.string(), "expected a JSON file of up to 1 MiB");
-  }
-  std::ifstream in(file);
-  Json json = Json::parse(in, nullptr, false);
+  Json json = Json::parse(bytesOfFile(file, kMaxBytes), nullptr, false);
   if (!json.is_object()) throw InputError(file.string(), "expected a JSON object");
   return json;
-}
-
-/// The parts of a name between underscores: "sub-01", "task-look".
-std::vector<std::string> partsOf(const std::string& stem) {
-  std::vector<std::string> parts;
-  for (std::size_t at = 0; at <= stem.size();) {
-    const std::size_t end = std::min(stem.find('_', at), stem.size());
-    parts.push_back(stem.substr(at, end - at));
-    at = end + 1;
-  }
-  return parts;
 }
 
 /// The folders from the data set's root to the recording's own. The root has
@@ -59,10 +43,10 @@ std::vector<fs::path> foldersOf(const fs::path& file) {
   return {own};
 }
 
-/// The files of a folder that end in `ending` and whose parts the recording has, too. Those of
-/// fewer parts come first.
+/// The files of a folder that end in `ending` and whose parts, between underscores, the recording
+/// has, too. Those of fewer parts come first.
 std::vector<fs::path> filesIn(const fs::path& folder, std::string_view ending,
-                              const std::vector<std::string>& parts) {
+                              const std::vector<std::string_view>& parts) {
   std::vector<fs::path> files;
   std::error_code unreadable;
   for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
@@ -71,9 +55,7 @@ std::vector<fs::path> filesIn(const fs::path& folder, std::string_view ending,
     const std::string stem = name.substr(0, name.size() - ending.size());
     // "physio.json" applies to all; "task-look_physio.json" to a task.
     if (!stem.empty() && stem.back() != '_') continue;
-    const auto own =
-        stem.empty() ? std::vector<std::string>{} : partsOf(stem.substr(0, stem.size() - 1));
-    const bool applies = std::ranges::all_of(own, [&](const std::string& part) {
+    const bool applies = std::ranges::all_of(wordsOf(stem, "_"), [&](std::string_view part) {
       return std::ranges::find(parts, part) != parts.end();
     });
     if (applies) files.push_back(entry.path());
@@ -152,7 +134,7 @@ std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {
   if (!stem) return std::nullopt;
   BidsMetadata metadata{.physio = Json::object(), .physioevents = Json::object()};
   bool any = false;
-  const auto parts = partsOf(*stem);
+  const auto parts = wordsOf(*stem, "_");
   for (const fs::path& folder : foldersOf(file)) {
     for (fs::path& path : filesIn(folder, "physio.json", parts)) {
       metadata.physio.update(readJson(path));

@@ -32,10 +32,10 @@ bool isWhole(const std::vector<GazeSample>& samples) {
 }
 
 bool countsByOne(const std::vector<GazeSample>& samples) {
-  const auto gap = std::adjacent_find(samples.begin(), samples.end(),
-                                      [](const GazeSample& before, const GazeSample& after) {
-                                        return after.time_s - before.time_s != 1.0;
-                                      });
+  const auto gap =
+      std::ranges::adjacent_find(samples, [](const GazeSample& before, const GazeSample& after) {
+        return after.time_s - before.time_s != 1.0;
+      });
   return gap == samples.end() && samples.size() > 1;
 }
 

@@ -61,9 +61,8 @@ ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
   const std::size_t bracket = lower.find_first_of("[(");
   if (bracket != std::string::npos && bracket > 0) {
     std::string inside = lower.substr(bracket + 1);
-    inside.erase(
-        std::find_if(inside.begin(), inside.end(), [](char c) { return c == ']' || c == ')'; }),
-        inside.end());
+    inside.erase(std::ranges::find_if(inside, [](char c) { return c == ']' || c == ')'; }),
+                 inside.end());
     name.unit = unitIn(inside);
     name.of_media = inside.starts_with("mcs");
     lower.resize(bracket);
@@ -189,7 +188,7 @@ bool ColumnNames::isNamed(std::size_t column) const {
 }
 
 std::size_t ColumnNames::at(const std::string& name) const {
-  const auto found = std::find(texts_.begin(), texts_.end(), name);
+  const auto found = std::ranges::find(texts_, name);
   if (found != texts_.end()) return static_cast<std::size_t>(found - texts_.begin());
   if (name.starts_with('#')) {
     const auto number = parseNumber(std::string_view(name).substr(1));
@@ -203,7 +202,7 @@ std::size_t ColumnNames::at(const std::string& name) const {
 }
 
 void ColumnNames::refuseTwin(std::size_t column) const {
-  if (texts_[column].empty() || std::count(texts_.begin(), texts_.end(), texts_[column]) == 1) {
+  if (texts_[column].empty() || std::ranges::count(texts_, texts_[column]) == 1) {
     return;
   }
   throw place_.error("two columns " + shown(texts_[column]) +
@@ -226,10 +225,7 @@ bool ColumnNames::mayBe(Meaning meaning, std::size_t column) const {
   for (std::size_t at = lower.find(axis); at != std::string::npos; at = lower.find(axis, at + 1)) {
     std::string pair = lower;
     pair[at] = other;
-    if (std::any_of(texts_.begin(), texts_.end(),
-                    [&](std::string_view text) { return spelledPlainly(text) == pair; })) {
-      return true;
-    }
+    if (std::ranges::find(texts_, pair, spelledPlainly) != texts_.end()) return true;
   }
   return false;
 }
@@ -248,7 +244,7 @@ std::string ColumnNames::listed(const Wanted& wanted) const {
 std::string ColumnNames::otherKind() const {
   const auto namesWith = [&](std::initializer_list<std::string_view> parts) {
     return listed([&](std::size_t i) {
-      return std::any_of(parts.begin(), parts.end(), [&](std::string_view part) {
+      return std::ranges::any_of(parts, [&](std::string_view part) {
         return names_[i].key.find(part) != std::string::npos;
       });
     });

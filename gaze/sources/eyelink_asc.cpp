@@ -152,7 +152,7 @@ class AscReader {
         if (words_[i] == "RATE") block_.rate_Hz = number(i + 1);
         block_.has_more |= isWordOf("VEL RES INPUT BUTTONS STATUS HTARGET", words_[i]);
       }
-      remote_ |= std::find(words_.begin(), words_.end(), "HTARGET") != words_.end();
+      remote_ |= std::ranges::find(words_, "HTARGET") != words_.end();
       if (words_.size() > 1 && (words_[1] == "HREF" || words_[1] == "PUPIL")) {
         throw lines_.error("samples in " + shown(words_[1]) +
                            " coordinates: expected GAZE; convert the EDF file again with "
@@ -180,7 +180,7 @@ class AscReader {
   void setEyes() {
     for (int side : {0, 1}) {
       const char* name = side == 0 ? "LEFT" : "RIGHT";
-      block_.recorded[side] |= std::find(words_.begin(), words_.end(), name) != words_.end();
+      block_.recorded[side] |= std::ranges::find(words_, name) != words_.end();
     }
     binocular_ |= block_.recorded[0] && block_.recorded[1];
   }

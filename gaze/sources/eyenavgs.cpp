@@ -59,10 +59,10 @@ std::optional<SceneSetting> settingBeside(const std::filesystem::path& recording
     if (fields.size() != 4 || fields[0] != scene) continue;
     splitFields(fields[1], ',', parts);
     std::array<double, 4> q{};
-    const auto units_per_m = fieldNumber(fields[2]);
+    const auto units_per_m = parseNumber(fields[2]);
     bool good = parts.size() == 4 && units_per_m && *units_per_m > 0.0;
     for (std::size_t i = 0; good && i < 4; ++i) {
-      const auto number = fieldNumber(parts[i]);
+      const auto number = parseNumber(parts[i]);
       good = number.has_value();
       if (good) q[i] = *number;
     }

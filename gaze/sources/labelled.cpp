@@ -18,7 +18,7 @@ std::optional<GazeState> labelNamed(std::string_view name) {
 void requireKnownWord(const std::filesystem::path& file, const Coder& coder,
                       const std::string& first) {
   const auto& labels = coder.labels;
-  if (std::any_of(labels.begin(), labels.end(), [](const auto& label) { return label; })) return;
+  if (std::ranges::any_of(labels, [](const auto& label) { return label.has_value(); })) return;
   throw InputError(file.string(), "column " + shown(coder.name) +
                                       ": no label is known, the first is " + shown(first) +
                                       ": expected fixation, saccade, pso, pursuit, blink or lost");

@@ -5,11 +5,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/gunzip.h"
 #include "base/input_error.h"
+#include "base/mapped_file.h"
 #include "base/text.h"
 
 namespace foci {
@@ -24,9 +28,6 @@ class PackedFile {
  public:
   /// @throws InputError if it cannot be read
   explicit PackedFile(const std::filesystem::path& file);
-  ~PackedFile();
-  PackedFile(const PackedFile&) = delete;
-  PackedFile& operator=(const PackedFile&) = delete;
 
   /// @return the number of bytes read, at most `count`; 0 at the end
   /// @throws InputError if a packed file is damaged or cut off, also in a later member, and if it
@@ -34,8 +35,10 @@ class PackedFile {
   std::size_t read(char* to, std::size_t count);
 
  private:
-  struct State;  // zlib's
-  std::unique_ptr<State> state_;
+  MappedFile file_;
+  std::span<const unsigned char> rest_;  // that a plain file still has; of a packed one, all
+  std::optional<Gunzip> packed_{};
+  std::int64_t unpacked_B_ = 0;
 };
 
 /// A place in a recording that is being read.
@@ -55,7 +58,7 @@ class LineReader final : public Place {
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
 
-  /// @param line  valid until the next call. `kNumberPadding` bytes behind it are readable, too.
+  /// @param line  valid until the next call
   /// @return false at the end of the file
   /// @throws InputError on a NUL byte (binary, or UTF-16) and on a line over 64 KiB
   bool next(std::string_view& line);

@@ -17,7 +17,7 @@ namespace {
 const Screen kNominalScreen{.size_px = {1000, 1000}, .size_m = {1.0, 1.0}, .distance_m = 1.0};
 
 std::string pointed(std::string text) {
-  std::replace(text.begin(), text.end(), ',', '.');
+  std::ranges::replace(text, ',', '.');
   return text;
 }
 

@@ -73,7 +73,7 @@ class Survey {
     }
     rows_.survey(kSurveyedRows, [&] {
       Seen seen{.has_gaze = layout.isFilled(rows, false), .is_blank = !layout.isFilled(rows, true)};
-      if (layout_.time && *layout_.time < rows_.size()) seen.time = numberAt(*layout_.time);
+      if (layout_.time && *layout_.time < rows_.size()) seen.time = rows_.number(*layout_.time);
       seen.place = placeOf(gaze);
       for (const std::size_t at : candidates_) {
         seen.values.emplace_back(at < rows_.size() ? rows_.text(at) : "");
@@ -122,14 +122,9 @@ class Survey {
     return static_cast<double>(count) <= kMaxSoon * static_cast<double>(all.size());
   }
 
-  std::optional<double> numberAt(std::size_t at) const {
-    const auto number = rows_.number(at);
-    return number || rows_.areNumbers() ? number : parseNumber(rows_.text(at));
-  }
-
   std::optional<glm::dvec2> placeOf(const std::vector<std::size_t>& gaze) const {
     if (gaze.size() < 2 || std::max(gaze[0], gaze[1]) >= rows_.size()) return std::nullopt;
-    const auto x = numberAt(gaze[0]), y = numberAt(gaze[1]);
+    const auto x = rows_.number(gaze[0]), y = rows_.number(gaze[1]);
     return x && y ? std::optional(glm::dvec2(*x, *y)) : std::nullopt;
   }
 

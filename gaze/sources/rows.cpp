@@ -40,7 +40,7 @@ namespace {
 constexpr std::size_t kMaxSurveyed_B = 8 << 20;
 
 bool hasOpenQuote(std::string_view line) {
-  return line.find('"') != line.npos && std::count(line.begin(), line.end(), '"') % 2 != 0;
+  return line.find('"') != line.npos && std::ranges::count(line, '"') % 2 != 0;
 }
 
 /// `# key=value ...`. Unknown keys are ignored.
@@ -153,7 +153,7 @@ bool mayBeThousands(std::string_view text) {
 std::optional<double> CommaNumbers::parse(std::string_view text) {
   if (!decimal_allowed_ || text.find(',') == std::string_view::npos) return parseNumber(text);
   std::string pointed(text.substr(0, 64));
-  std::replace(pointed.begin(), pointed.end(), ',', '.');
+  std::ranges::replace(pointed, ',', '.');
   const auto number = parseNumber(pointed);
   if (number && example_.empty()) example_ = text;
   if (number) decimal_ |= !mayBeThousands(text);
@@ -224,8 +224,7 @@ void TextRows::takeNames() {
 }
 
 void TextRows::readNamesAsRow() {
-  held_.insert(held_.begin(),
-               {.text = header_ + std::string(kNumberPadding, ' '), .number = number_});
+  held_.insert(held_.begin(), {.text = header_, .number = number_});
 }
 
 bool TextRows::readLine(std::string_view& line) {
@@ -249,8 +248,7 @@ void TextRows::split(std::string_view line, std::size_t number, bool is_ended) {
 bool TextRows::next() {
   if (next_held_ < held_.size()) {
     const Line& line = held_[next_held_++];
-    split(std::string_view(line.text).substr(0, line.text.size() - kNumberPadding), line.number,
-          line.is_ended);
+    split(line.text, line.number, line.is_ended);
     return true;
   }
   std::string_view line;
@@ -264,9 +262,8 @@ void TextRows::survey(std::size_t most, const std::function<void()>& visit) {
   std::size_t bytes = 0;
   while (held_.size() < most && bytes < kMaxSurveyed_B && readLine(line)) {
     bytes += line.size();
-    held_.push_back({.text = std::string(line).append(kNumberPadding, ' '),
-                     .number = lines_.number(),
-                     .is_ended = lines_.isEnded()});
+    held_.push_back(
+        {.text = std::string(line), .number = lines_.number(), .is_ended = lines_.isEnded()});
   }
   const std::size_t header = number_;
   const std::size_t count = std::min(most, held_.size());

@@ -16,7 +16,6 @@
 #include "base/input_error.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/line_reader.h"
-#include "gaze/sources/swift_number.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -95,9 +94,9 @@ class Rows : public Place {
   bool isAbsent(std::size_t column) const {
     return areNumbers() ? std::isnan(numbers_[column]) : foci::isAbsent(fields_[column]);
   }
-  /// The number in a column of numbers, or in a plain field of text (`swiftNumber`).
+  /// The number in a column of numbers, or in a field of text without a decimal comma.
   std::optional<double> number(std::size_t column) const {
-    if (!areNumbers()) return swiftNumber(fields_[column]);
+    if (!areNumbers()) return parseNumber(fields_[column]);
     return std::isfinite(numbers_[column]) ? std::optional(numbers_[column]) : std::nullopt;
   }
 
@@ -177,7 +176,7 @@ class TextRows final : public Rows {
 
  private:
   struct Line {
-    std::string text{};  // with kNumberPadding bytes behind it
+    std::string text{};
     std::size_t number = 0;
     bool is_ended = true;
   };

@@ -224,7 +224,7 @@ double radiansPer(AngleUnit unit) { return unit == AngleUnit::rad ? 1.0 : glm::r
 
 bool isEulerOrder(std::string_view order) {
   std::string letters(order);
-  std::sort(letters.begin(), letters.end());
+  std::ranges::sort(letters);
   return letters == "xyz";
 }
 

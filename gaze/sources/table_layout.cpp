@@ -9,7 +9,6 @@
 #include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
-#include "gaze/sources/swift_number.h"
 
 namespace foci {
 namespace {
@@ -289,8 +288,8 @@ class Recogniser {
     rows_.survey(kSurveyedRows, [&] {
       ++rows;
       if (std::max(*duration, *layout_.time) >= rows_.size()) return;
-      const auto time = fieldNumber(rows_.text(*layout_.time));
-      const auto lasts = fieldNumber(rows_.text(*duration));
+      const auto time = parseNumber(rows_.text(*layout_.time));
+      const auto lasts = parseNumber(rows_.text(*duration));
       if (!time || !lasts) return;
       times.push_back(*time);
       durations.push_back(*lasts);
@@ -313,7 +312,7 @@ class Recogniser {
     bool any = false;
     rows_.survey(kSurveyedRows, [&] {
       any |= column < rows_.size() && !rows_.isAbsent(column) &&
-             fieldNumber(rows_.text(column)) != 0.0;
+             parseNumber(rows_.text(column)) != 0.0;
     });
     return any;
   }

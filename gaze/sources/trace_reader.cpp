@@ -91,7 +91,7 @@ void scaleRelative(GazeTrace& trace) {
     for (const GazeSample& sample : trace.samples) {
       if (sample.point_px) values.push_back((*sample.point_px)[axis]);
     }
-    std::sort(values.begin(), values.end());
+    std::ranges::sort(values);
     const auto at = [&](double share) {
       return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
     };
@@ -193,8 +193,8 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   if (trace.samples.size() < 2) {
     throw InputError(name, std::to_string(trace.samples.size()) + " samples: expected at least 2");
   }
-  if (std::none_of(trace.samples.begin(), trace.samples.end(),
-                   [](const GazeSample& sample) { return sample.point_px.has_value(); })) {
+  if (std::ranges::none_of(trace.samples,
+                           [](const GazeSample& sample) { return sample.point_px.has_value(); })) {
     throw InputError(name, "no sample has a position: expected gaze" +
                                (trace.warnings.empty() ? "" : "; " + trace.warnings.front()));
   }

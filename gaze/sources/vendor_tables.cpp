@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "gaze/sources/column_names.h"
-#include "gaze/sources/swift_number.h"
 #include "gaze/sources/table_layout.h"
 
 namespace foci {
@@ -197,7 +196,7 @@ struct ValidityCounts {
     if (std::max({*eye.validity, *eye.x, *eye.y}) >= rows.size()) return;
     const auto value = rows.number(*eye.validity);
     if (!value) return;
-    const auto x = fieldNumber(rows.text(*eye.x)), y = fieldNumber(rows.text(*eye.y));
+    const auto x = parseNumber(rows.text(*eye.x)), y = parseNumber(rows.text(*eye.y));
     if (*value != 0.0 && *value != 1.0) {
       ++others;
     } else {

@@ -71,7 +71,7 @@ std::vector<Candidate> irisesOf(const cv::Mat& grey, const cv::Rect2d& box, int 
       candidate.centre_px = iris->centre_px;
       candidate.score += iris->confidence * std::min(1.0, iris->contrast / kClear);
     }
-    const bool is_seen = std::any_of(seen_px.begin(), seen_px.end(), [&](const glm::dvec2& seen) {
+    const bool is_seen = std::ranges::any_of(seen_px, [&](const glm::dvec2& seen) {
       return glm::distance(seen, candidate.centre_px) < 0.07 * box.width;
     });
     if (is_seen) candidate.score += 0.4;
@@ -231,7 +231,7 @@ struct FaceFinder::Cascades {
     face_more.detectMultiScale(small, more, 1.1, 4, 0, {min_side, min_side});
     found.insert(found.end(), more.begin(), more.end());
     // The cascades' order depends on their threads. This order does not.
-    std::sort(found.begin(), found.end(), [](const cv::Rect& a, const cv::Rect& b) {
+    std::ranges::sort(found, [](const cv::Rect& a, const cv::Rect& b) {
       return std::tuple(a.width, a.y, a.x) > std::tuple(b.width, b.y, b.x);
     });
     constexpr std::size_t kMaxFaces = 4;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -219,18 +220,16 @@ std::vector<FaceBox> FaceNetworks::detect(const cv::Mat& image) {
                       {(kAnchors[i] + pair(2)) / scale, (kAnchors[i] + pair(3)) / scale}},
                      score});
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Found& a, const Found& b) { return a.score > b.score; });
+  std::ranges::stable_sort(found, std::greater(), &Found::score);
   std::vector<FaceBox> faces;
   for (const Found& each : found) {
     if (!(each.box.side_px() > 1.0)) continue;
-    if (std::none_of(faces.begin(), faces.end(),
-                     [&](const FaceBox& f) { return overlap(f, each.box) > kMaxOverlap; })) {
+    if (std::ranges::none_of(
+            faces, [&](const FaceBox& f) { return overlap(f, each.box) > kMaxOverlap; })) {
       faces.push_back(each.box);
     }
   }
-  std::stable_sort(faces.begin(), faces.end(),
-                   [](const FaceBox& a, const FaceBox& b) { return a.side_px() > b.side_px(); });
+  std::ranges::stable_sort(faces, std::greater(), &FaceBox::side_px);
   return faces;
 }
 

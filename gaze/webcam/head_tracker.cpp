@@ -151,7 +151,7 @@ void HeadTracker::keep(HeadView view) {
     }
   }
   if (!kept.weights.empty()) {
-    const double best = *std::max_element(kept.weights.begin(), kept.weights.end());
+    const double best = *std::ranges::max_element(kept.weights);
     constexpr double kExactEnough = 0.15;  // of the best; above, the average face is the limit
     for (double& w : kept.weights) w = std::min(1.0, w / (kExactEnough * std::max(best, 1e-12)));
   }
@@ -162,16 +162,9 @@ void HeadTracker::keep(HeadView view) {
 }
 
 std::size_t HeadTracker::nearestView(const HeadPose& pose) const {
-  std::size_t nearest = 0;
-  double min_unlike = 1e300;
-  for (std::size_t i = 0; i < views_.size(); ++i) {
-    const double difference = unlike(views_[i].view.pose, pose);
-    if (difference < min_unlike) {
-      min_unlike = difference;
-      nearest = i;
-    }
-  }
-  return nearest;
+  const auto nearest = std::ranges::min_element(
+      views_, {}, [&](const KeptView& kept) { return unlike(kept.view.pose, pose); });
+  return static_cast<std::size_t>(nearest - views_.begin());
 }
 
 std::optional<HeadPoseFit> HeadTracker::follow(const cv::Mat& grey,

@@ -169,7 +169,7 @@ void NetworkTracker::search(const cv::Mat& image, bool in_doubt) {
     FaceMesh mesh = networks_.mesh(image, box);
     if (!(mesh.score > kMinMeshScore)) continue;
     const glm::dvec2 middle_px(middleOfEyes_px(mesh));
-    const auto same = std::find_if(known_px.begin(), known_px.end(), [&](const glm::dvec2& known) {
+    const auto same = std::ranges::find_if(known_px, [&](const glm::dvec2& known) {
       return glm::distance(known, middle_px) < kSameFace * box.side_px();
     });
     const bool followed = mesh_ && same == known_px.begin();

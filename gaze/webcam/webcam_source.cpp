@@ -98,8 +98,7 @@ const cv::Mat& StraightFrames::of(const cv::Mat& frame) {
                                    " px: the camera was calibrated at " +
                                    text(lens_.size_px.x, lens_.size_px.y) + ", expected the same");
   }
-  if (std::all_of(lens_.distortion.begin(), lens_.distortion.end(),
-                  [](double k) { return k == 0.0; })) {
+  if (std::ranges::all_of(lens_.distortion, [](double k) { return k == 0.0; })) {
     return frame;
   }
   if (from_.empty()) {

@@ -1,6 +1,5 @@
 #include "render/gl/shader_text.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <initializer_list>

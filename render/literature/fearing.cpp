@@ -32,8 +32,7 @@ class FearingMethod final : public FilterMethod {
 
     std::vector<int> order(importance_.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return importance_[a] > importance_[b]; });
+    std::ranges::stable_sort(order, [&](int a, int b) { return importance_[a] > importance_[b]; });
     order.resize((order.size() * percent_ + 99) / 100);
     while (!order.empty() && importance_[order.back()] == 0.0) order.pop_back();
     parallelFor(order.size(), [&](std::size_t i) {

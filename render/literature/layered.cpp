@@ -84,9 +84,9 @@ class LayeredMethod final : public Method {
     const auto mean_D = static_cast<float>(sum_D / static_cast<double>(layer_.count()));
     // Empty pixels have no light to spread: treat them as in focus.
     std::vector<float> point_D(image_.rgba.size());
-    std::transform(
-        image_.rgba.begin(), image_.rgba.end(), point_D.begin(),
-        [&](const glm::vec4& pixel) { return pixel.a > 0.0f ? mean_D : defocus.focus_D; });
+    std::ranges::transform(image_.rgba, point_D.begin(), [&](const glm::vec4& pixel) {
+      return pixel.a > 0.0f ? mean_D : defocus.focus_D;
+    });
     discs_.set(image_.size_px, image_.rgba, point_D, defocus);
     parallelFor(static_cast<std::size_t>(discs_.tileCount()),
                 [&](std::size_t tile) { discs_.spreadOnto(static_cast<int>(tile), image_.rgba); });

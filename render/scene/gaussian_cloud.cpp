@@ -1,6 +1,7 @@
 #include "render/scene/gaussian_cloud.h"
 
 #include <algorithm>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -81,24 +82,19 @@ class HarmonicsRotation {
   std::array<std::array<float, kCount>, kCount> matrix_{};
 };
 
+Covariance3 halfOf(const glm::mat3& symmetric) {
+  const glm::mat3& m = symmetric;
+  return {m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]};
+}
+
 }  // namespace
 
 Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation) {
-  const float x = rotation.x, y = rotation.y, z = rotation.z, w = rotation.w;
-  // Columns: where the rotation takes the axes.
-  const glm::vec3 a = sigma.x * glm::vec3(1.0f - 2.0f * (y * y + z * z), 2.0f * (x * y + w * z),
-                                          2.0f * (x * z - w * y));
-  const glm::vec3 b = sigma.y * glm::vec3(2.0f * (x * y - w * z), 1.0f - 2.0f * (x * x + z * z),
-                                          2.0f * (y * z + w * x));
-  const glm::vec3 c = sigma.z * glm::vec3(2.0f * (x * z + w * y), 2.0f * (y * z - w * x),
-                                          1.0f - 2.0f * (x * x + y * y));
-  return {.xx = a.x * a.x + b.x * b.x + c.x * c.x,
-          .xy = a.x * a.y + b.x * b.y + c.x * c.y,
-          .xz = a.x * a.z + b.x * b.z + c.x * c.z,
-          .yy = a.y * a.y + b.y * b.y + c.y * c.y,
-          .yz = a.y * a.z + b.y * b.z + c.y * c.z,
-          .zz = a.z * a.z + b.z * b.z + c.z * c.z};
+  const glm::mat3 axes = glm::mat3_cast(glm::quat(rotation.w, rotation.x, rotation.y, rotation.z));
+  return covarianceOf(glm::mat3(sigma.x * axes[0], sigma.y * axes[1], sigma.z * axes[2]));
 }
+
+Covariance3 covarianceOf(const glm::mat3& axes) { return halfOf(axes * glm::transpose(axes)); }
 
 void append(GaussianCloud& to, const GaussianCloud& from) {
   const auto add = [](auto& all, const auto& more) {
@@ -141,8 +137,7 @@ void transform(GaussianCloud& cloud, const glm::mat3& linear, const glm::vec3& o
     if (moves_only) return;
     Covariance3& v = cloud.covariance_m2[i];
     const glm::mat3 matrix(v.xx, v.xy, v.xz, v.xy, v.yy, v.yz, v.xz, v.yz, v.zz);
-    const glm::mat3 out = linear * matrix * glm::transpose(linear);
-    v = {out[0][0], out[0][1], out[0][2], out[1][1], out[1][2], out[2][2]};
+    v = halfOf(linear * matrix * glm::transpose(linear));
     if (harmonics) harmonics->turn(cloud.harmonics.data() + i * each, cloud.degree);
   });
 }

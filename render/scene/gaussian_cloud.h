@@ -64,6 +64,9 @@ struct GaussianCloud {
 /// @param rotation  quaternion (x, y, z, w) of unit length
 Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation);
 
+/// @param axes  perpendicular to each other, each a standard deviation long
+Covariance3 covarianceOf(const glm::mat3& axes);
+
 /// Adds Gaussians of the same degree. The tree stays as it is.
 void append(GaussianCloud& to, const GaussianCloud& from);
 

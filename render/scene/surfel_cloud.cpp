@@ -45,7 +45,7 @@ void completeBodies(SurfelCloud& cloud) {
     return;
   }
   std::vector<std::uint16_t>& of = bodies.of_surfel.own();
-  const std::size_t count = 1 + *std::max_element(of.begin(), of.end());
+  const std::size_t count = 1 + *std::ranges::max_element(of);
   std::vector<std::uint8_t> opaque(count, 1);
   for (std::size_t i = 0; i < of.size() && !cloud.opacity.empty(); ++i) {
     if (cloud.opacity[i] < 1.0f) opaque[of[i]] = 0;

@@ -95,19 +95,19 @@ class StubsTest(unittest.TestCase):
                     self.assertEqual(default, real, f"{name}, {parameter}")
 
     def assert_equal_members(self, stub, thing):
-        functions = {}
+        functions, properties = {}, set()
         for each in stub.body:
             if isinstance(each, ast.FunctionDef):
                 functions.setdefault(each.name, []).append(each)
-        public = {name for name, member in vars(thing).items() if not name.startswith("_")}
-        self.assertEqual({name for name in functions if not name.startswith("_")}, public, stub.name)
+            elif isinstance(each, ast.AnnAssign):
+                self.assertRegex(ast.unparse(each.annotation), r"^Final\[", stub.name)
+                properties.add(each.target.id)
+        public = {name for name in vars(thing) if not name.startswith("_")}
+        self.assertEqual({name for name in functions if not name.startswith("_")} | properties, public, stub.name)
+        self.assertEqual(properties, {name for name in public if isinstance(vars(thing)[name], property)}, stub.name)
         for name, stubs in functions.items():
-            where = f"{stub.name}.{name}"
-            member = inspect.getattr_static(thing, name)
-            is_property = any(ast.unparse(d) == "property" for d in stubs[0].decorator_list)
-            self.assertEqual(is_property, isinstance(member, property), where)
-            if not is_property and name not in ("__len__", "__iter__"):
-                self.assert_equal_signatures(where, stubs, getattr(thing, name))
+            if name not in ("__len__", "__iter__"):
+                self.assert_equal_signatures(f"{stub.name}.{name}", stubs, getattr(thing, name))
 
     def test_every_name_is_stated_with_its_signature(self):
         stated = {node.name: node for node in STUB.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}

@@ -128,8 +128,7 @@ void DiscScene::trace(const glm::vec2& pixel, const glm::vec2& lens, std::vector
   const glm::vec2 slope = line.lens_px_per_D / px_per_D_;
   const glm::vec2 from = line.pixel - line.lens_px_per_D * defocus_.focus_D + slope * nearest_;
   scene_.trace(line.context, {from, nearest_}, {slope, 1.0f}, 0.0f, furthest_ - nearest_);
-  std::sort(hits.begin(), hits.end(),
-            [](const Hit& a, const Hit& b) { return a.surfel < b.surfel; });
+  std::ranges::sort(hits, {}, &Hit::surfel);
 }
 
 /// A disc that contains the footprint through every lens point, with a margin for rounding.
@@ -155,9 +154,7 @@ std::vector<SeenSurfel> seenSurfels(const SurfelCloud& cloud, const View& view, 
     kept[i] = allFinite(all[i]);
   });
   keepMarked(all, kept);
-  std::stable_sort(all.begin(), all.end(), [](const SeenSurfel& a, const SeenSurfel& b) {
-    return a.distance_m < b.distance_m;
-  });
+  std::ranges::stable_sort(all, {}, &SeenSurfel::distance_m);
   return all;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -200,9 +201,9 @@ double outlineLength_px(const Frame& frame, const std::vector<std::uint8_t>& whe
 MeshRays::MeshRays(const TriangleMesh& mesh)
     : mesh_(mesh), scene_(std::make_unique<EmbreeScene>()) {
   RTCGeometry triangles = rtcNewGeometry(scene_->device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* corners_m = static_cast<float*>(
+  auto* corners_m = static_cast<glm::vec3*>(
       rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                              3 * sizeof(float), mesh.corners_m.size()));
+                              sizeof(glm::vec3), mesh.corners_m.size()));
   auto* indices = static_cast<std::uint32_t*>(
       rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                               3 * sizeof(std::uint32_t), mesh.size()));
@@ -210,12 +211,8 @@ MeshRays::MeshRays(const TriangleMesh& mesh)
     rtcReleaseGeometry(triangles);
     throw std::runtime_error("Embree: not enough memory for the triangles");
   }
-  parallelFor(mesh.size(), [&](std::size_t triangle) {
-    for (std::size_t i = 3 * triangle; i < 3 * triangle + 3; ++i) {
-      for (int axis = 0; axis < 3; ++axis) corners_m[3 * i + axis] = mesh.corners_m[i][axis];
-      indices[i] = static_cast<std::uint32_t>(i);
-    }
-  });
+  std::ranges::copy(mesh.corners_m, corners_m);
+  std::iota(indices, indices + mesh.corners_m.size(), 0u);
   scene_->build(triangles);
 }
 

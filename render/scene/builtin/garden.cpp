@@ -31,9 +31,8 @@ struct Dice {
 /// @param display  colour, display values
 void appendGaussian(GaussianCloud& cloud, const glm::vec3& position_m, const glm::mat3& axes_m,
                     float opacity, const glm::vec3& display) {
-  const glm::mat3 v = axes_m * glm::transpose(axes_m);
   cloud.position_m.push_back(position_m);
-  cloud.covariance_m2.push_back({v[0].x, v[0].y, v[0].z, v[1].y, v[1].z, v[2].z});
+  cloud.covariance_m2.push_back(covarianceOf(axes_m));
   cloud.opacity.push_back(opacity);
   cloud.color.push_back(display);
   cloud.harmonics.resize(cloud.size() * cloud.harmonicsPerGaussian());

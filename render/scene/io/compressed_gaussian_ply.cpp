@@ -25,8 +25,9 @@ constexpr std::size_t kChunk = 256;  // vertices of a chunk
 constexpr float kHarmonicsRange = 8.0f;
 
 bool isOfType(const Element& element, Scalar type) {
-  return std::all_of(element.properties.begin(), element.properties.end(),
-                     [&](const ply::Property& each) { return !each.list && each.type == type; });
+  return std::ranges::all_of(element.properties, [&](const ply::Property& each) {
+    return !each.list && each.type == type;
+  });
 }
 
 /// Whether these are the names of all properties, or of the first ones.

@@ -1,4 +1,4 @@
-// Files as bytes, read with checked bounds, and the streams and archives that they are packed in.
+// Files as bytes, read with checked bounds, and the archives that they are packed in.
 // Private to the readers of scenes.
 #pragma once
 
@@ -15,9 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/gunzip.h"
 #include "base/mapped_file.h"
-
-struct z_stream_s;  // of zlib
 
 namespace foci {
 
@@ -68,32 +67,6 @@ inline constexpr auto& floatAt = valueAt<float>;
 inline constexpr auto& doubleAt = valueAt<double>;
 inline constexpr auto& vec3At = valueAt<glm::vec3>;
 inline constexpr auto& dvec3At = valueAt<glm::dvec3>;
-
-bool isGzip(std::span<const unsigned char> bytes);
-
-/// Unpacks gzip (RFC 1952) part by part, so that a file cannot ask for more memory than its reader
-/// expects. Streams may follow one another.
-class Gunzip {
- public:
-  /// @param packed  outlives it
-  Gunzip(std::string name, std::span<const unsigned char> packed);
-  ~Gunzip();
-  Gunzip(const Gunzip&) = delete;
-  Gunzip& operator=(const Gunzip&) = delete;
-
-  /// The next bytes, at most `count`; none at the end only.
-  /// @throws InputError if the stream is damaged here, or the file ends before it
-  std::vector<unsigned char> next(std::size_t count);
-
-  /// Exactly `count` bytes. @throws InputError, also if there are fewer
-  std::vector<unsigned char> take(std::size_t count);
-
- private:
-  std::string name_;
-  std::span<const unsigned char> rest_;  // not unpacked yet
-  std::unique_ptr<z_stream_s> stream_;
-  bool ended_ = false;
-};
 
 /// The members of a ZIP archive (PKWARE, APPNOTE 6.3): stored or deflated, without encryption and
 /// without ZIP64.

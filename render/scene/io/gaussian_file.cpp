@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "base/input_error.h"
@@ -65,10 +66,10 @@ GaussianCollector::GaussianCollector(GaussianFile& file, std::size_t count, int 
 void GaussianCollector::append(const RawGaussian& raw, std::span<const float> harmonics) {
   GaussianCloud& cloud = file_.cloud;
   assert(harmonics.size() == cloud.harmonicsPerGaussian());
-  const bool sound = isNearEnough(raw.position) && isFinite(raw.sigma) &&
-                     std::isfinite(raw.opacity) && isFinite(raw.color) &&
-                     std::all_of(harmonics.begin(), harmonics.end(),
-                                 [](float value) { return std::isfinite(value); });
+  const bool sound =
+      isNearEnough(raw.position) && isFinite(raw.sigma) && std::isfinite(raw.opacity) &&
+      isFinite(raw.color) &&
+      std::ranges::all_of(harmonics, [](float value) { return std::isfinite(value); });
   if (!sound) {
     ++file_.dropped;
     return;
@@ -98,8 +99,8 @@ void finishGaussians(GaussianFile& file, const std::string& path, const KnownGau
           "the Gaussians are so far from the origin that floats lose their detail: save them "
           "nearer to the origin, or as a PLY with coordinates in doubles");
     }
-    if (std::all_of(file.cloud.opacity.begin(), file.cloud.opacity.end(),
-                    [](float opacity) { return opacity <= kMinAlpha; })) {
+    if (std::ranges::all_of(file.cloud.opacity,
+                            [](float opacity) { return opacity <= kMinAlpha; })) {
       file.remarks.emplace_back(
           "the opacity of all Gaussians is below 1/255, so none is seen: in a PLY, opacity is a "
           "logit");
@@ -137,19 +138,5 @@ std::array<float, 4> quaternionOf(const std::array<float, 3>& three, std::size_t
 }
 
 float sigmoid(float x) { return 1.0f / (1.0f + std::exp(-x)); }
-
-float floatOfHalf(std::uint16_t half) {
-  const unsigned exponent = (half >> 10) & 0x1fu, mantissa = half & 0x3ffu;
-  float value = 0.0f;
-  if (exponent == 0x1fu) {
-    value = mantissa == 0 ? std::numeric_limits<float>::infinity()
-                          : std::numeric_limits<float>::quiet_NaN();
-  } else if (exponent == 0) {
-    value = std::ldexp(static_cast<float>(mantissa), -24);
-  } else {
-    value = std::ldexp(static_cast<float>(mantissa | 0x400u), static_cast<int>(exponent) - 25);
-  }
-  return (half & 0x8000u) != 0 ? -value : value;
-}
 
 }  // namespace foci

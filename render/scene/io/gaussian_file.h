@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
@@ -77,8 +76,5 @@ std::array<float, 4> quaternionOf(const std::array<float, 3>& three, std::size_t
 
 /// 1 / (1 + exp(-x)): opacities are stored as their logits.
 float sigmoid(float x);
-
-/// The 16-bit float of IEEE 754. Infinities and NaN stay so.
-float floatOfHalf(std::uint16_t half);
 
 }  // namespace foci

@@ -208,9 +208,7 @@ GaussianFile readGaussianPly(const std::filesystem::path& path) {
     collector.append(columns.gaussian(p - origin.value_or(glm::dvec3(0.0))), harmonics);
   }
   columns.finishColors(file.cloud);
-  if (origin) {
-    if (auto remark = originRemark(*origin)) file.remarks.push_back(std::move(*remark));
-  }
+  if (origin) remarkOrigin(*origin, file.remarks);
   const bool named = plausibility.remark(file.remarks);
   finishGaussians(file, input.name(), {.fine = columns.isFine(), .knows_scales = named});
   return file;

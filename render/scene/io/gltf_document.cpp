@@ -183,9 +183,8 @@ void GltfDocument::parse(Bytes file) {
   json_ = Json::parse(json, nullptr, /*allow_exceptions=*/false);  // skips a byte order mark
   if (json_.is_discarded()) {
     std::string ascii(json);
-    std::replace_if(
-        ascii.begin(), ascii.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; },
-        '?');
+    std::ranges::replace_if(
+        ascii, [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
     json_ = Json::parse(ascii, nullptr, false);
   }
   if (!json_.is_object()) refuse("is not glTF: expected a JSON object");
@@ -206,11 +205,10 @@ void GltfDocument::checkExtensions() {
     if (name.starts_with("KHR_gaussian_splatting")) continue;
     const auto is = [&](std::string_view known) { return name == known; };
     const bool compressed =
-        name == "KHR_draco_mesh_compression" || std::any_of(kMeshopt.begin(), kMeshopt.end(), is);
+        name == "KHR_draco_mesh_compression" || std::ranges::any_of(kMeshopt, is);
     if (readsCompressed() && compressed) {
       compression_ = name;
-    } else if (!name.starts_with("KHR_materials_") &&
-               std::none_of(kRead.begin(), kRead.end(), is)) {
+    } else if (!name.starts_with("KHR_materials_") && std::ranges::none_of(kRead, is)) {
       refuse("requires the glTF extension ", shown(name),
              ", which foci cannot read: export it without, e.g. from Blender");
     }

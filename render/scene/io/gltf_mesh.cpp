@@ -166,9 +166,8 @@ class GltfMaterials {
       if (auto data = GltfDocument::dataOf(*uri)) {
         source.bytes = images_.emplace_back(std::move(*data));
       } else {
-        source.file = namedFile(gltf_.path(), *uri);
-        source.name = source.file ? *uri : percentDecoded(*uri);
-        if (!source.file) source.file = namedFile(gltf_.path(), source.name);
+        source.file = fileOfUri(gltf_.path(), *uri);
+        source.name = percentDecoded(*uri);
       }
     } else {
       source.bytes = gltf_.view(numberIn(gltf_, *image, "bufferView", kNoEntry));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/gtc/packing.hpp>
 #include <optional>
 #include <string>
 
@@ -132,13 +133,14 @@ class SectionReader {
   }
 
   float number(std::span<const unsigned char> record, std::size_t i) const {
-    return mode_.number_bytes == 4 ? floatAt(record, 4 * i) : floatOfHalf(u16At(record, 2 * i));
+    return mode_.number_bytes == 4 ? floatAt(record, 4 * i)
+                                   : glm::unpackHalf1x16(u16At(record, 2 * i));
   }
 
   float harmonic(std::span<const unsigned char> record, std::size_t k) const {
     const std::size_t at = mode_.harmonicsAt() + k * mode_.harmonic_bytes;
     if (mode_.harmonic_bytes == 4) return floatAt(record, at);
-    if (mode_.harmonic_bytes == 2) return floatOfHalf(u16At(record, at));
+    if (mode_.harmonic_bytes == 2) return glm::unpackHalf1x16(u16At(record, at));
     return header_.low + static_cast<float>(record[at]) / 255.0f * (header_.high - header_.low);
   }
 
@@ -211,24 +213,21 @@ GaussianFile readKsplatFile(const std::filesystem::path& path) {
         bytes.name(),
         "is no .ksplat file: expected version 0.1, compression mode 0 to 2, and a section");
   }
+  const std::uint64_t first = kHeader + std::uint64_t{header->sections} * kSectionHeader;
   std::vector<Section> sections;
   int degree = 0;
-  std::uint64_t count = 0;
+  std::uint64_t count = 0, at = first;
   for (std::uint32_t i = 0; i < header->sections; ++i) {
     sections.push_back(
         sectionOf(bytes.part(kHeader + std::uint64_t{i} * kSectionHeader, kSectionHeader),
                   kModes[header->mode], bytes.name()));
     if (sections.back().count > 0) degree = std::max(degree, sections.back().degree);
     count += sections.back().count;
-  }
-  std::uint64_t at = kHeader + std::uint64_t{header->sections} * kSectionHeader;
-  for (const Section& section : sections) {
-    bytes.part(at, section.bytes());
-    at += section.bytes();
+    at += bytes.part(at, sections.back().bytes()).size();
   }
   GaussianFile file{.format = "KSPLAT"};
   GaussianCollector collector(file, count, degree);
-  at = kHeader + std::uint64_t{header->sections} * kSectionHeader;
+  at = first;
   for (const Section& section : sections) {
     SectionReader(bytes, *header, section, at).appendTo(collector, degree);
     at += section.bytes();

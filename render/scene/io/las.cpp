@@ -230,8 +230,7 @@ PointCloud readLas(const std::filesystem::path& path) {
   } else {
     points.color = greyOf(intensity);
     const auto& grey = points.color;
-    const bool varies =
-        std::adjacent_find(grey.begin(), grey.end(), std::not_equal_to<>()) != grey.end();
+    const bool varies = std::ranges::adjacent_find(grey, std::not_equal_to<>()) != grey.end();
     if (has_color) points.remarks.emplace_back(varies ? kIntensityInstead : kGreyInstead);
   }
   return points;

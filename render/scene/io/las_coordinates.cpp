@@ -89,8 +89,7 @@ std::optional<double> lengthOfCode(unsigned code) {
 std::optional<double> lengthInCitation(std::string_view citation) {
   const std::string text = lowered(citation);
   const auto has = [&](std::initializer_list<std::string_view> any) {
-    return std::any_of(any.begin(), any.end(),
-                       [&](std::string_view part) { return text.find(part) != std::string::npos; });
+    return std::ranges::any_of(any, [&](auto part) { return text.find(part) != text.npos; });
   };
   if (has({"(ftus)", "us survey f", "us_survey_f", "u.s. survey f", "foot_us"})) return kUsFoot_m;
   if (has({"(ft)", "foot", "feet"})) return kFoot_m;
@@ -116,7 +115,7 @@ struct WktNode {
 
   const WktNode* find(std::initializer_list<std::string_view> keywords) const {
     for (const WktNode& node : nodes) {
-      if (std::find(keywords.begin(), keywords.end(), node.keyword) != keywords.end()) return &node;
+      if (std::ranges::find(keywords, node.keyword) != keywords.end()) return &node;
     }
     return nullptr;
   }
@@ -194,7 +193,7 @@ std::optional<double> unitOf(const WktNode& system) {
 /// The projected, geographic and vertical systems in a text, wherever they are.
 void takeSystem(const WktNode& node, LasCoordinates& found) {
   const auto is = [&](std::initializer_list<std::string_view> keywords) {
-    return std::find(keywords.begin(), keywords.end(), node.keyword) != keywords.end();
+    return std::ranges::find(keywords, node.keyword) != keywords.end();
   };
   if (is({"PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS"})) {
     found.unit_m = unitOf(node);

@@ -179,8 +179,7 @@ std::uint16_t MeshBuilder::addObject(std::string name) {
 }
 
 void MeshBuilder::add(const std::array<MeshCorner, 3>& corners, std::uint32_t material) {
-  if (!std::all_of(corners.begin(), corners.end(),
-                   [](const MeshCorner& corner) { return isNearEnough(corner.position); })) {
+  if (!std::ranges::all_of(corners, isNearEnough, &MeshCorner::position)) {
     ++unusable_;
     return;
   }
@@ -257,7 +256,7 @@ bool MeshBuilder::takeLight(bool is_black, const glm::vec3& emitted, MeshMateria
 bool MeshBuilder::useAlpha() {
   std::vector<float>& alpha = mesh_.alpha;
   if (alpha.size() == mesh_.corners_m.size() &&
-      std::all_of(alpha.begin(), alpha.end(), [](float each) { return each == 0.0f; })) {
+      std::ranges::all_of(alpha, [](float each) { return each == 0.0f; })) {
     remark("the alpha of all vertices is 0: shown opaque");
     alpha.clear();
   }
@@ -274,7 +273,7 @@ std::vector<glm::vec3> MeshBuilder::placesOf(const std::vector<glm::dvec3>& plac
     near.emplace_back(place);
   }
   const glm::dvec3 origin = first && losesDetail(near) ? originNear(*first) : glm::dvec3(0.0);
-  if (const auto moved = originRemark(origin)) remark(*moved);
+  remarkOrigin(origin, mesh_.remarks);
   near.clear();
   for (const glm::dvec3& place : places) near.emplace_back(place - origin);
   return near;

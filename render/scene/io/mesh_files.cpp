@@ -76,53 +76,6 @@ std::optional<fs::path> fileBelow(const fs::path& folder, const fs::path& name) 
   return at && isFile(*at) ? at : std::nullopt;
 }
 
-class Companions {
- public:
-  explicit Companions(const fs::path& mesh) : mesh_(mesh) {}
-
-  std::vector<fs::path> files() {
-    const std::string extension = lowerExtension(mesh_);
-    if (extension == ".gltf" || extension == ".glb") {
-      readGltf();
-    } else if (extension == ".obj") {
-      readObj();
-    } else if (extension == ".ply") {
-      ply::Input input(mesh_);
-      for (const std::string& name : ply::textureNames(ply::readHeader(input))) {
-        add(namedFile(mesh_, name));
-      }
-    }
-    return std::move(files_);
-  }
-
- private:
-  void add(const std::optional<fs::path>& file) {
-    if (file && std::find(files_.begin(), files_.end(), *file) == files_.end()) {
-      files_.push_back(*file);
-    }
-  }
-
-  void readObj() {
-    for (const fs::path& library : librariesOf(mesh_, libraryNames(mesh_))) {
-      add(library);
-      for (const fs::path& texture : readMtl(library, mesh_).textures) add(texture);
-    }
-  }
-
-  void readGltf() {
-    const GltfDocument gltf(mesh_);
-    for (const char* list : {"buffers", "images"}) {
-      for (const auto& entry : arrayIn(gltf.json(), list)) {
-        const auto uri = textIn(entry, "uri");
-        if (uri && !uri->starts_with("data:")) add(fileOfUri(mesh_, *uri));
-      }
-    }
-  }
-
-  fs::path mesh_;
-  std::vector<fs::path> files_;
-};
-
 }  // namespace
 
 std::shared_ptr<const MeshTexture> MeshTextures::read(const ImageSource& source, bool as_mask) {
@@ -161,7 +114,7 @@ std::optional<DecodedImage> MeshTextures::image(const ImageSource& source, const
   }
   if (image) return image;
   std::string name(plainName(source.name));
-  std::replace(name.begin(), name.end(), '\\', '/');
+  std::ranges::replace(name, '\\', '/');
   remarks_.push_back("texture " + shown(fs::path(name).filename().string()) +
                      (source.exists()
                           ? " cannot be read: make it a PNG or JPEG of at most 8192 x 8192; "
@@ -172,7 +125,7 @@ std::optional<DecodedImage> MeshTextures::image(const ImageSource& source, const
 
 std::optional<fs::path> namedFile(const fs::path& beside, std::string_view name) {
   std::string stated(plainName(name));
-  std::replace(stated.begin(), stated.end(), '\\', '/');
+  std::ranges::replace(stated, '\\', '/');
   const fs::path path = stated, folder = beside.parent_path(), bare = path.filename();
   if (bare.empty()) return std::nullopt;
   if (isFile(folder / path)) return folder / path;
@@ -210,13 +163,37 @@ std::optional<fs::path> fileOfUri(const fs::path& beside, const std::string& uri
 }
 
 std::vector<fs::path> meshCompanions(const fs::path& mesh) {
+  std::vector<fs::path> files;
+  const auto add = [&](const std::optional<fs::path>& file) {
+    if (file && std::ranges::find(files, *file) == files.end()) files.push_back(*file);
+  };
   std::error_code ignored;
-  if (!fs::is_regular_file(mesh, ignored)) return {};
+  if (!fs::is_regular_file(mesh, ignored)) return files;
+  const std::string extension = lowerExtension(mesh);
   try {
-    return Companions(mesh).files();
+    if (extension == ".gltf" || extension == ".glb") {
+      const GltfDocument gltf(mesh);
+      for (const char* list : {"buffers", "images"}) {
+        for (const auto& entry : arrayIn(gltf.json(), list)) {
+          const auto uri = textIn(entry, "uri");
+          if (uri && !uri->starts_with("data:")) add(fileOfUri(mesh, *uri));
+        }
+      }
+    } else if (extension == ".obj") {
+      for (const fs::path& library : librariesOf(mesh, libraryNames(mesh))) {
+        add(library);
+        for (const fs::path& texture : readMtl(library, mesh).textures) add(texture);
+      }
+    } else if (extension == ".ply") {
+      ply::Input input(mesh);
+      for (const std::string& name : ply::textureNames(ply::readHeader(input))) {
+        add(namedFile(mesh, name));
+      }
+    }
   } catch (const InputError&) {  // opening the scene reports it
-    return {};
+    files.clear();
   }
+  return files;
 }
 
 }  // namespace foci

@@ -94,7 +94,7 @@ class ObjParser {
     if (error == std::errc() && (atEnd() || isBlank(*at_) || *at_ == '\\')) return value;
     at_ = first;
     std::string word(takeWord());
-    std::replace(word.begin(), word.end(), ',', '.');  // a decimal comma
+    std::ranges::replace(word, ',', '.');  // a decimal comma
     char* last = nullptr;
     value = std::strtod(word.c_str(), &last);  // or a number that is too large or too small
     if (last != word.c_str() + word.size()) refuse("expected a number, found ", shown(word));
@@ -243,9 +243,7 @@ class ObjParser {
     const auto words = [](std::string_view line) {
       return wordsOf(line.substr(0, line.find('#')));
     };
-    const auto slashes = [](std::string_view corner) {
-      return std::count(corner.begin(), corner.end(), '/');
-    };
+    const auto slashes = [](std::string_view corner) { return std::ranges::count(corner, '/'); };
     const auto digits = [](std::string_view corner) {
       return corner.size() - (corner.rfind('/') + 1);
     };
@@ -314,7 +312,7 @@ std::vector<std::filesystem::path> librariesOf(const std::filesystem::path& obj,
                                                std::vector<std::string>* missing) {
   std::vector<std::filesystem::path> files;
   const auto add = [&](const std::optional<std::filesystem::path>& file) {
-    if (file && std::find(files.begin(), files.end(), *file) == files.end()) {
+    if (file && std::ranges::find(files, *file) == files.end()) {
       files.push_back(*file);
     }
     return file.has_value();

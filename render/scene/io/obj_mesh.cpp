@@ -53,7 +53,7 @@ class MtlReader {
     requireRegularFile(mtl_);
     std::ifstream in(mtl_, std::ios::binary);
     std::string text(std::istreambuf_iterator<char>(in), {});
-    std::replace(text.begin(), text.end(), '\r', '\n');
+    std::ranges::replace(text, '\r', '\n');
     std::string_view left = withoutByteOrderMark(text);
     while (!left.empty()) {
       const std::size_t end = std::min(left.find('\n'), left.size());

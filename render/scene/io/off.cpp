@@ -198,12 +198,12 @@ class OffReader {
       points.opacity.push_back(color.a);
     }
     dropPlainOpacity(points);
-    if (const auto remark = originRemark(origin_)) points.remarks.push_back(*remark);
+    remarkOrigin(origin_, points.remarks);
     return points;
   }
 
   std::variant<PointCloud, MeshFile> finishMesh() {
-    if (const auto remark = originRemark(origin_)) builder_.remark(*remark);
+    remarkOrigin(origin_, builder_.remarks());
     const bool blend = builder_.useAlpha();
     return builder_.finish({.kind = SceneKind::off_mesh}, [&](std::uint32_t number) {
       ReadMaterial read = color_of_faces_.read(number);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <fstream>
 #include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -74,8 +75,7 @@ struct Layout {
 };
 
 bool areBlack(const std::vector<glm::vec3>& colors) {
-  return std::all_of(colors.begin(), colors.end(),
-                     [](const glm::vec3& color) { return color == glm::vec3(0.0f); });
+  return std::ranges::count(colors, glm::vec3(0.0f)) == std::ssize(colors);
 }
 
 constexpr std::size_t kWriteBlock = 1 << 20;  // bytes written together

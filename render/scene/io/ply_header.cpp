@@ -74,9 +74,8 @@ void checkCounts(const Header& header, const Input& input) {
 void lowerNames(std::vector<Property>& properties) {
   for (Property& property : properties) {
     std::string lower = lowered(property.name);
-    const bool taken =
-        std::any_of(properties.begin(), properties.end(),
-                    [&](const Property& other) { return other.name == lower; });  // itself, too
+    const bool taken =  // itself, too
+        std::ranges::find(properties, lower, &Property::name) != properties.end();
     if (!taken) property.name = std::move(lower);
   }
 }
@@ -85,7 +84,7 @@ template <typename T>
 double load(const unsigned char* bytes, bool swap) {
   std::array<unsigned char, sizeof(T)> raw;
   std::memcpy(raw.data(), bytes, sizeof(T));
-  if (swap) std::reverse(raw.begin(), raw.end());
+  if (swap) std::ranges::reverse(raw);
   return static_cast<double>(std::bit_cast<T>(raw));
 }
 

@@ -31,8 +31,7 @@ float linearOfSrgb(double s) {
 }  // namespace
 
 const Element* elementNamed(const Header& header, std::string_view name) {
-  const auto found = std::find_if(header.elements.begin(), header.elements.end(),
-                                  [&](const Element& each) { return each.name == name; });
+  const auto found = std::ranges::find(header.elements, name, &Element::name);
   return found == header.elements.end() ? nullptr : &*found;
 }
 
@@ -58,8 +57,7 @@ Items::Items(Input& input, Header& header, const Element& element)
       element_(element),
       swap_(mustSwap(header.format)),
       records_(header.format != Format::ascii &&
-               std::none_of(element.properties.begin(), element.properties.end(),
-                            [](const Property& property) { return property.list; })) {
+               std::ranges::none_of(element.properties, &Property::list)) {
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     places_.push_back({records_ ? record_bytes_ : i});
     record_bytes_ += sizeOf(element.properties[i].type);

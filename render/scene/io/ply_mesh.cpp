@@ -222,7 +222,7 @@ class PlyMesh {
 }  // namespace
 
 bool isPlyMesh(const ply::Header& header) {
-  return std::any_of(header.elements.begin(), header.elements.end(), [](const auto& element) {
+  return std::ranges::any_of(header.elements, [](const auto& element) {
     return (element.name == "face" || element.name.starts_with("tristrip")) && element.count > 0;
   });
 }

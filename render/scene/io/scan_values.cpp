@@ -35,10 +35,11 @@ glm::dvec3 originNear(const glm::dvec3& p) {
   return {near(p.x), near(p.y), near(p.z)};
 }
 
-std::optional<std::string> originRemark(const glm::dvec3& origin) {
-  if (origin == glm::dvec3(0.0)) return std::nullopt;
-  return "positions are relative to " + decimal(origin.x, 0) + " " + decimal(origin.y, 0) + " " +
-         decimal(origin.z, 0) + " of the file, to keep their millimetres";
+void remarkOrigin(const glm::dvec3& origin, std::vector<std::string>& remarks) {
+  if (origin == glm::dvec3(0.0)) return;
+  remarks.push_back("positions are relative to " + decimal(origin.x, 0) + " " +
+                    decimal(origin.y, 0) + " " + decimal(origin.z, 0) +
+                    " of the file, to keep their millimetres");
 }
 
 bool ScanPositions::append(const glm::dvec3& p) {
@@ -60,8 +61,7 @@ void ScanPositions::finish(const std::string& file) const {
     throw InputError(
         file, points_.dropped == 0 ? "has no points" : "none of its points has a finite position");
   }
-  if (!origin_) return;
-  if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));
+  if (origin_) remarkOrigin(*origin_, points_.remarks);
 }
 
 bool losesDetail(std::span<const glm::vec3> position) {

@@ -32,8 +32,8 @@ bool isNearEnough(const glm::dvec3& p);
 /// out, since a float at 10,000 has steps of 1 mm; 0 on others.
 glm::dvec3 originNear(const glm::dvec3& p);
 
-/// What the user should know of an origin that was moved.
-std::optional<std::string> originRemark(const glm::dvec3& origin);
+/// Adds a remark if the origin was moved.
+void remarkOrigin(const glm::dvec3& origin, std::vector<std::string>& remarks);
 
 /// Appends points whose coordinates may be as large as those of a map projection. The first
 /// point decides the origin (`originNear`), and positions are relative to it.

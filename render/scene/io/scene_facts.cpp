@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <span>
 #include <utility>
 #include <variant>
@@ -15,13 +16,12 @@ namespace foci {
 namespace {
 
 bool differ(std::span<const glm::vec3> colors) {
-  return std::any_of(colors.begin(), colors.end(),
-                     [&](const glm::vec3& color) { return color != colors.front(); });
+  return std::ranges::adjacent_find(colors, std::not_equal_to()) != colors.end();
 }
 
 glm::vec2 rangeOf(std::span<const float> opacity) {
   if (opacity.empty()) return glm::vec2(1.0f);
-  const auto [least, greatest] = std::minmax_element(opacity.begin(), opacity.end());
+  const auto [least, greatest] = std::ranges::minmax_element(opacity);
   return {*least, *greatest};
 }
 

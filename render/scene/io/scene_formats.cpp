@@ -14,7 +14,6 @@
 #include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/io/point_formats.h"
-#include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
@@ -31,7 +30,7 @@ bool startsWith(const FileStart& start, std::initializer_list<std::string_view> 
 }
 
 bool holdsAll(const FileStart& start, std::initializer_list<std::string_view> all) {
-  return std::all_of(all.begin(), all.end(), [&](std::string_view part) {
+  return std::ranges::all_of(all, [&](std::string_view part) {
     return start.text().find(part) != std::string_view::npos;
   });
 }
@@ -49,7 +48,7 @@ std::string_view firstWord(std::string_view text) {
 bool isObj(const FileStart& start) {
   constexpr std::array<std::string_view, 9> kWords = {"v", "vn", "vt", "mtllib", "usemtl",
                                                       "o", "g",  "s",  "vp"};
-  return std::find(kWords.begin(), kWords.end(), firstWord(start.text())) != kWords.end();
+  return std::ranges::find(kWords, firstWord(start.text())) != kWords.end();
 }
 
 bool isStl(const FileStart& start) {
@@ -68,7 +67,7 @@ bool isGltfText(const FileStart& start) {
 }
 
 bool isText(const FileStart& start) {
-  return std::find(start.bytes.begin(), start.bytes.end(), 0) == start.bytes.end();
+  return std::ranges::find(start.bytes, 0) == start.bytes.end();
 }
 
 template <auto kRead>
@@ -207,9 +206,9 @@ constexpr std::array kConverters = {
 };
 
 const Converter* converterOf(const FileStart& start) {
-  const auto* const found = std::find_if(
-      kConverters.begin(), kConverters.end(),
-      [&](const Converter& each) { return isListed(each.extensions, start.extension); });
+  const auto* const found = std::ranges::find_if(kConverters, [&](const Converter& each) {
+    return isListed(each.extensions, start.extension);
+  });
   return found == kConverters.end() ? nullptr : found;
 }
 
@@ -351,7 +350,7 @@ FileStart::FileStart(const fs::path& file)
 
 const SceneFormat* formatOf(const FileStart& start) {
   const auto find = [](const auto& condition) {
-    const auto* const found = std::find_if(kSceneFormats.begin(), kSceneFormats.end(), condition);
+    const auto* const found = std::ranges::find_if(kSceneFormats, condition);
     return found == kSceneFormats.end() ? nullptr : found;
   };
   const SceneFormat* format =

@@ -53,7 +53,7 @@ bool isSplatFile(const std::filesystem::path& path) {
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error || size == 0 || size % kRecord != 0) return false;
   const std::vector<unsigned char> bytes = firstBytes(path, kRecordsLookedAt * kRecord);
-  bool sound = bytes.size() >= kRecord && !std::all_of(bytes.begin(), bytes.end(), isText);
+  bool sound = bytes.size() >= kRecord && !std::ranges::all_of(bytes, isText);
   for (std::size_t at = 0; sound && at + kRecord <= bytes.size(); at += kRecord) {
     sound = isSound(gaussianOf(std::span(bytes).subspan(at, kRecord)));
   }
@@ -67,7 +67,7 @@ GaussianFile readSplatFile(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < looked_at; ++i) {
     sound += isSound(gaussianOf(bytes.part(i * kRecord, kRecord))) ? 1 : 0;
   }
-  const bool is_text = std::all_of(bytes.all().begin(), bytes.all().end(), isText);
+  const bool is_text = std::ranges::all_of(bytes.all(), isText);
   if (2 * sound <= looked_at || is_text) {  // of a damaged file, most records are sound
     throw InputError(
         bytes.name(),

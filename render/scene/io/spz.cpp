@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <glm/gtc/packing.hpp>
 #include <numbers>
 #include <string>
 
@@ -153,7 +154,9 @@ float fixed24(const unsigned char* bytes, float scale) {
 glm::vec3 positionOf(const SpzArrays& all, std::size_t i) {
   const std::vector<unsigned char>& bytes = all.array[kPositions];
   if (all.header.version == 1) {
-    const auto half = [&](std::size_t k) { return floatOfHalf(u16At(bytes, 6 * i + 2 * k)); };
+    const auto half = [&](std::size_t k) {
+      return glm::unpackHalf1x16(u16At(bytes, 6 * i + 2 * k));
+    };
     return {half(0), half(1), half(2)};
   }
   const float scale = 1.0f / static_cast<float>(1u << all.header.fraction_bits);

@@ -119,7 +119,7 @@ std::vector<ColumnName> namesIn(std::string_view line) {
 bool namesDegrees(std::string_view line) {
   const std::vector<ColumnName> names = namesIn(line);
   const auto has = [&](std::string_view brief, std::string_view whole) {
-    return std::any_of(names.begin(), names.end(), [&](const ColumnName& column) {
+    return std::ranges::any_of(names, [&](const ColumnName& column) {
       return column.name == brief || column.name.starts_with(whole);
     });
   };
@@ -132,7 +132,7 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   int last = kNone;  // column in use
   const auto columnOf = [&](std::initializer_list<std::string_view> any) {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      if (std::find(any.begin(), any.end(), names[i].name) == any.end()) continue;
+      if (std::ranges::find(any, names[i].name) == any.end()) continue;
       last = std::max(last, static_cast<int>(i));
       return static_cast<int>(i);
     }
@@ -142,7 +142,7 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   columns.count = names.size();
   columns.position = {columnOf({"x", "px_world"}), columnOf({"y", "py_world"}),
                       columnOf({"z", "pz_world"})};
-  if (std::count(columns.position.begin(), columns.position.end(), kNone) > 0) return std::nullopt;
+  if (std::ranges::count(columns.position, kNone) > 0) return std::nullopt;
   const auto unitOf = [&](int column) {
     return metresOf(names[static_cast<std::size_t>(column)].unit);
   };
@@ -155,7 +155,7 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   const Three normal = {columnOf({"nx"}), columnOf({"ny"}), columnOf({"nz"})};
   std::size_t triples = 0;
   for (const auto& [kind, three] : {std::pair('c', color), {'n', normal}}) {
-    if (std::count(three.begin(), three.end(), kNone) > 0) continue;
+    if (std::ranges::count(three, kNone) > 0) continue;
     columns.kinds[triples] = kind;
     columns.triples[triples++] = three;
   }

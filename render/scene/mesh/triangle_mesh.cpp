@@ -19,8 +19,7 @@ constexpr float kInvisible = 0.5f / 255.0f;  // below half a step of 8 bits
 std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t triangle) {
   const glm::vec3* const from = &mesh.corners_m[3 * std::size_t{triangle}];
   std::array<glm::vec3, 3> corners{from[0], from[1], from[2]};
-  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end(), precedes),
-              corners.end());
+  std::rotate(corners.begin(), std::ranges::min_element(corners, precedes), corners.end());
   return corners;
 }
 
