@@ -27,8 +27,8 @@ struct EyeOptics {
 /// The wavefront in a pupil; a plane one if it has none.
 PupilWavefront wavefrontIn(const Pupil& pupil);
 
-/// The largest angle between the rays of a point of light, at these shares of the pupil's radius
-/// and as many angles around it.
+/// The largest angle of a ray of a point of light to that of a sharp eye, at these shares of the
+/// pupil's radius and as many angles around it.
 double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<double> shares);
 
 /// Light by visual angle. Rows run downwards and columns to the right, as the observer sees them.

@@ -144,22 +144,21 @@ void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
   }
 }
 
-PackedFile::PackedFile(const std::filesystem::path& file) : file_(file), rest_(file_.bytes()) {
-  if (isGzip(rest_)) packed_.emplace(file_.name(), rest_);
+PackedFile::PackedFile(const std::filesystem::path& file)
+    : file_(file), plain_(file, std::ios::binary) {
+  if (isGzip(file_.bytes())) packed_.emplace(file_.name(), file_.bytes());
 }
 
 std::size_t PackedFile::read(char* to, std::size_t count) {
   if (packed_) {
     const std::size_t read = packed_->next(reinterpret_cast<unsigned char*>(to), count);
     unpacked_B_ += static_cast<std::int64_t>(read);
-    requirePackedRecording(file_.name(), unpacked_B_, static_cast<std::int64_t>(rest_.size()));
+    requirePackedRecording(file_.name(), unpacked_B_,
+                           static_cast<std::int64_t>(file_.bytes().size()));
     return read;
   }
-  const auto part = rest_.first(std::min(count, rest_.size()));
-  std::ranges::copy(part, to);
-  releasePages(part);
-  rest_ = rest_.subspan(part.size());
-  return part.size();
+  plain_.read(to, static_cast<std::streamsize>(count));
+  return static_cast<std::size_t>(plain_.gcount());
 }
 
 }  // namespace foci

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,7 +36,7 @@ class PackedFile {
 
  private:
   MappedFile file_;
-  std::span<const unsigned char> rest_;  // that a plain file still has; of a packed one, all
+  std::ifstream plain_;  // a mapped file that shrinks would end the program
   std::optional<Gunzip> packed_{};
   std::int64_t unpacked_B_ = 0;
 };

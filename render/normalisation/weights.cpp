@@ -188,12 +188,15 @@ class Solver {
     const std::span<const std::uint32_t> near = problem_.near.of(i);
     const auto total = [&](const auto& nextPlace) {
       std::uint32_t n = 0;
-      const auto next = [&] { return weight_m2_[near[nextPlace(n)]] * each[n]; };
+      const auto next = [&] {
+        const std::uint32_t place = nextPlace(n);
+        return weight_m2_[near[place]] * each[n++];
+      };
       std::array<float, 4> sums{};  // an addition waits for the one before it
-      for (; n + sums.size() <= overlaps.neighbours;) {
-        for (float& sum : sums) sum += next(), ++n;
+      while (n + sums.size() <= overlaps.neighbours) {
+        for (float& sum : sums) sum += next();
       }
-      for (; n < overlaps.neighbours; ++n) sums[0] += next();
+      while (n < overlaps.neighbours) sums[0] += next();
       return (sums[0] + sums[1]) + (sums[2] + sums[3]);
     };
     const bool first_ones = std::countr_one(bits) >= static_cast<int>(overlaps.neighbours);

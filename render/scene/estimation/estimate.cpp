@@ -264,8 +264,8 @@ std::vector<std::uint32_t> partsInSpace(const std::vector<glm::vec3>& position_m
   return part_of;
 }
 
-/// Solves one part of space after the other, so that memory does not grow with the number of
-/// points. Points around a part are solved with it, and left.
+/// Solves one part of space after the other, so that the neighbours of one part alone are in
+/// memory. Points around a part are solved with it, and left.
 /// @return the weights
 std::vector<float> solveInParts(const PointCloud& points, const std::vector<std::uint32_t>& group,
                                 const std::vector<float>& spacing_m,
@@ -275,22 +275,16 @@ std::vector<float> solveInParts(const PointCloud& points, const std::vector<std:
   const std::size_t parts = 1 + *std::max_element(part_of.begin(), part_of.end());
   std::vector<float> solved_m(points.size()), weight(points.size());
   for (std::uint32_t part = 0; part < parts; ++part) {
-    std::vector<float> spacings_m;
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (part_of[i] != part) continue;
-      low = glm::min(low, position_m[i]);
-      high = glm::max(high, position_m[i]);
-      spacings_m.push_back(spacing_m[i]);
+      low = glm::min(low, position_m[i] - kAround * spacing_m[i]);
+      high = glm::max(high, position_m[i] + kAround * spacing_m[i]);
     }
-    const float margin_m = kAround * quantile(spacings_m, 0.9);
     std::vector<std::uint32_t> chosen;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       const glm::vec3& p = position_m[i];
-      if (glm::all(glm::greaterThanEqual(p, low - margin_m)) &&
-          glm::all(glm::lessThanEqual(p, high + margin_m))) {
-        chosen.push_back(i);
-      }
+      if (glm::clamp(p, low, high) == p) chosen.push_back(i);
     }
     PointCloud some;
     some.position_m = picked(position_m, chosen);

@@ -75,7 +75,7 @@ struct Layout {
 };
 
 bool areBlack(const std::vector<glm::vec3>& colors) {
-  return std::ranges::count(colors, glm::vec3(0.0f)) == std::ssize(colors);
+  return std::ranges::all_of(colors, [](const glm::vec3& c) { return c == glm::vec3(0.0f); });
 }
 
 constexpr std::size_t kWriteBlock = 1 << 20;  // bytes written together

@@ -139,7 +139,12 @@ TEST(SurfelsFromPoints, HaveKernelsThatSumToOne) {
 /// The surface of an open mesh goes on under a body that stands on it: neither the body's
 /// downward face nor its denser sampling takes area from the ground around it.
 TEST(SurfelsFromPoints, OfTheGroundHaveTheSameAreaUnderABody) {
-  for (const KernelSolve solve : {KernelSolve::quick, KernelSolve::thorough}) {
+  const EstimateSettings ways[] = {
+      {.solve = KernelSolve::quick},
+      {.solve = KernelSolve::thorough},
+      {.solve = KernelSolve::thorough, .solved_at_once = 400},  // parts of it see the body alone
+  };
+  for (const EstimateSettings& settings : ways) {
     for (const float spacing_m : {1.0f, 0.25f}) {
       PointCloud ground = coloured(plane(40, 0.8f));
       const std::size_t of_ground = ground.size();
@@ -154,8 +159,8 @@ TEST(SurfelsFromPoints, OfTheGroundHaveTheSameAreaUnderABody) {
         both.area_m2.push_back(spacing_m * spacing_m);
         both.body.push_back(1);
       }
-      const SurfelCloud alone = surfelsFromPoints(std::move(ground), {.solve = solve});
-      const SurfelCloud beside = surfelsFromPoints(std::move(both), {.solve = solve});
+      const SurfelCloud alone = surfelsFromPoints(std::move(ground), settings);
+      const SurfelCloud beside = surfelsFromPoints(std::move(both), settings);
       std::map<std::pair<float, float>, float> area_m2;
       for (std::size_t i = 0; i < alone.size(); ++i) {
         area_m2[{alone.position_m[i].x, alone.position_m[i].z}] = alone.area_m2[i];
