@@ -153,6 +153,7 @@ TEST_F(LiveGpu, ARecordNamesEachDeviceOnce) {
     auto begun = renderer->startRecord(folder);
     watch(4);
     EXPECT_EQ(begun.get(), "");
+    watch(2);  // with the record, however late it began
     action();
     auto ended = renderer->stopRecord();
     watch(3);
