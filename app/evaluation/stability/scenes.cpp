@@ -96,25 +96,20 @@ void addGazes(std::vector<StabilityScene>& scenes) {
   const auto add = [&](const std::string& name, const char* what, const char* dial,
                        const std::vector<float>& values,
                        double (*observe)(std::size_t, float, GazeScore)) {
-    const auto by = [&](GazeScore score) {
-      return [=](std::size_t observer, float value) { return observe(observer, value, score); };
+    const auto addScored = [&](const char* suffix, const char* score, double good, GazeScore by) {
+      scenes.push_back({.name = name + suffix,
+                        .what = what,
+                        .dial = dial,
+                        .score = score,
+                        .good = good,
+                        .values = values,
+                        .observers = stability::kObservers,
+                        .observe = [observe, by](std::size_t observer, float value) {
+                          return observe(observer, value, by);
+                        }});
     };
-    scenes.push_back({.name = name,
-                      .what = what,
-                      .dial = dial,
-                      .score = "share of the time with wrong focus",
-                      .good = 0.02,
-                      .values = values,
-                      .observers = stability::kObservers,
-                      .observe = by(GazeScore::wrong_share)});
-    scenes.push_back({.name = name + "-jumps",
-                      .what = what,
-                      .dial = dial,
-                      .score = "excess jumps of focus a second",
-                      .good = 0.2,
-                      .values = values,
-                      .observers = stability::kObservers,
-                      .observe = by(GazeScore::jumps_a_second)});
+    addScored("", "share of the time with wrong focus", 0.02, GazeScore::wrong_share);
+    addScored("-jumps", "excess jumps of focus a second", 0.2, GazeScore::jumps_a_second);
   };
   add("gaze-noise", "a steady gaze 0.5 to 1.5 deg from an edge between surfaces at 0.5 and 2 m",
       "noise of a sample, deg", {0.1f, 0.3f, 0.5f, 1.0f, 2.0f}, stability::gazeNoise);
