@@ -20,6 +20,7 @@ constexpr int kMostCells = 400, kMostLayers = 200;  // across, and in height
 constexpr std::size_t kMostPlaces = 5000;           // that are looked at
 constexpr double kHead_m = 2.0, kKnee_m = 0.7;      // a body is free between them
 constexpr double kElbows_m = 0.6;                   // and this far aside
+constexpr double kCoarsest_m = 0.5 * kElbows_m;     // distance of points that tell where it fits
 constexpr double kStep_m = 0.4;                     // the highest that one stands on
 constexpr int kTurns = 32;                          // directions around
 constexpr std::array kTilts_deg = {-20.0, -10.0, 0.0, 10.0};
@@ -54,12 +55,19 @@ class Cells {
       const glm::ivec3 at = cellOf(p);
       if (!isInside(at)) continue;
       held_[indexOf(at)] = true;
+      ++points_;
       float& ground = ground_m_[columnOf(at)];
       ground = std::min(ground, static_cast<float>(p.z));
     }
   }
 
   const glm::dvec3& size_m() const { return size_m_; }
+
+  /// Distance of the points as seen from above.
+  double spacing_m() const {
+    const auto columns = std::ranges::count_if(ground_m_, [](float z) { return std::isfinite(z); });
+    return cell_m_.x * std::sqrt(static_cast<double>(columns) / static_cast<double>(points_));
+  }
   glm::ivec3 count() const { return count_; }
   glm::dvec3 middleOf(int x, int y) const {
     return {(x + 0.5) * cell_m_.x, (y + 0.5) * cell_m_.y, 0.0};
@@ -137,6 +145,7 @@ class Cells {
   glm::dvec3 low_{0.0}, size_m_{0.0}, cell_m_{1.0};
   glm::ivec3 count_{1};
   std::vector<bool> held_;
+  std::size_t points_ = 0;       // in cells
   std::vector<float> ground_m_;  // of each column
 };
 
@@ -189,12 +198,13 @@ double nearestInView_m(const Sights& sights, int turn) {
 }  // namespace
 
 std::optional<StandingEye> standIn(std::span<const glm::vec3> points, const SceneBox& box,
-                                   const UpAxis& up, double unit_m) {
+                                   const UpAxis& up, double unit_m, double share) {
   if (points.size() < kLeastPoints) return std::nullopt;
   const Cells cells(points, box, up, unit_m);
   const glm::dvec3& size_m = cells.size_m();
   if (std::max(size_m.x, size_m.y) < kLeastLength_m ||
-      std::min(size_m.x, size_m.y) < kLeastWidth_m) {
+      std::min(size_m.x, size_m.y) < kLeastWidth_m ||
+      std::sqrt(share) * cells.spacing_m() > kCoarsest_m) {
     return std::nullopt;
   }
   const glm::ivec3 count = cells.count();

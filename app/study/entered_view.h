@@ -21,8 +21,10 @@ struct StandingEye {
 /// Finds a place with ground below, free sight, and surfaces around. Of all such places the eye
 /// takes the one with the longest free line, along which it looks; places with something near in
 /// view come first. Works on a grid: a line is free if the cells along it hold no points.
-/// @return absent for an object, which has no such place: too small, or nothing around the eye
+/// @param share  of the scene's points that these are, up to 1
+/// @return absent for an object, which has no such place: too small, or nothing around the eye; and
+///         where the points lie too far apart to show what is near, as in a survey from the air
 std::optional<StandingEye> standIn(std::span<const glm::vec3> points, const SceneBox& box,
-                                   const UpAxis& up, double unit_m);
+                                   const UpAxis& up, double unit_m, double share);
 
 }  // namespace foci

@@ -169,7 +169,9 @@ bool enterScan(const SceneFacts& facts, const FramingRequest& request, Framing& 
   const bool is_prepared = facts.kind == SceneKind::prepared && !facts.samples_of_mesh;
   if (!is_scan && !is_prepared) return false;
   const double unit_m = request.scale_m.value_or(facts.unit_m.value_or(1.0));
-  const auto eye = standIn(facts.position, framing.box, framing.up_axis, unit_m);
+  const auto all = static_cast<double>(facts.points + facts.surfels);
+  const double share = static_cast<double>(facts.position.size()) / all;
+  const auto eye = standIn(facts.position, framing.box, framing.up_axis, unit_m, share);
   if (!eye) return false;
   framing.entered = true;
   framing.scale_m = unit_m;
@@ -179,8 +181,9 @@ bool enterScan(const SceneFacts& facts, const FramingRequest& request, Framing& 
   framing.look_at_m = rounded(unit_m * eye->look_at, eye_m, 6);
   framing.up = axesOf(framing.up_axis).up;
   framing.why_look = "the eye stands in it, " + decimal(kStandingEye_m, 1) +
-                     " m above the ground, and looks " + significant(eye->free_m, 2) +
-                     " m far past what is " + significant(eye->nearest_m, 2) +
+                     " m above the ground, and looks " +
+                     exactText(rounded(eye->free_m, eye->free_m, 2)) + " m far past what is " +
+                     exactText(rounded(eye->nearest_m, eye->nearest_m, 2)) +
                      " m away; --look outside shows all of it";
   return true;
 }

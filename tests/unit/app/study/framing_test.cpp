@@ -291,18 +291,20 @@ std::vector<glm::vec3> street() {
   return points;
 }
 
+/// Hills of 60 x 60 m, 4 m high.
+std::vector<glm::vec3> landscape(float step) {
+  std::vector<glm::vec3> points;
+  addRectangle(points, {0, 0, 0}, {60, 0, 0}, {0, 60, 0}, step);
+  for (glm::vec3& p : points) p.z = 4.0f * std::sin(0.05f * p.x) * std::cos(0.04f * p.y);
+  return points;
+}
+
 Framing framedFreely(const SceneFacts& facts) {
   return framingOf(facts, {.screen = defaultScreen(), .look = {}, .up = {}});
 }
 
 TEST(Framing, AScanOfARoomAStreetOrALandscapeIsEntered) {
-  std::vector<glm::vec3> hills;
-  for (int i = 0; i < 200; ++i) {
-    for (int j = 0; j < 200; ++j) {
-      const float x = static_cast<float>(i), y = static_cast<float>(j);
-      hills.emplace_back(x, y, 4.0f * std::sin(0.05f * x) * std::cos(0.04f * y));
-    }
-  }
+  const std::vector<glm::vec3> hills = landscape(0.2f);
   for (const auto& [points, ground] :
        {std::pair(room(), 0.0), std::pair(street(), 0.0), std::pair(hills, 2.0)}) {
     const SceneFacts facts = cloudOf(points);
@@ -374,6 +376,14 @@ TEST(Framing, AnObjectIsSeenFromOutside) {
   for (glm::vec3& p : model) p *= 0.01f;
   EXPECT_FALSE(framedFreely(cloudOf(model)).entered);
   EXPECT_FALSE(framedFreely(gaussiansOf(room(), glm::vec3(0.05f))).entered);
+}
+
+TEST(Framing, ASurveyTooCoarseForAnEyeInItIsSeenFromOutside) {
+  for (const auto& [step, enters] : {std::pair(0.25f, true), std::pair(0.5f, false)}) {
+    EXPECT_EQ(framedFreely(cloudOf(landscape(step))).entered, enters) << step;
+  }
+  // A hollow object of 80 units, which is a hall if a unit is a metre.
+  EXPECT_FALSE(framedFreely(cloudOf(sphere(40.0f, 30'000))).entered);
 }
 
 TEST(Framing, TheEyeComesNearEnoughForBlurToShow) {
