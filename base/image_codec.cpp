@@ -16,6 +16,7 @@
 
 #include "base/input_error.h"
 #include "base/mapped_file.h"
+#include "base/targa.h"
 
 #ifdef FOCI_COMPRESSION
 #include <turbojpeg.h>
@@ -145,10 +146,9 @@ std::optional<DecodedImage> decodeImage(std::span<const unsigned char> bytes,
   }
 #ifdef FOCI_COMPRESSION
   if (bytes[0] == 0xff && bytes[1] == 0xd8) return decodeJpeg(bytes, max_pixels);
-  return decodeWebp(bytes, max_pixels);
-#else
-  return std::nullopt;
+  if (auto webp = decodeWebp(bytes, max_pixels)) return webp;
 #endif
+  return decodeTarga(bytes, max_pixels);
 }
 
 std::vector<std::uint8_t> encodePng(int columns, int rows, int channels,

@@ -1,4 +1,5 @@
-// PNG and JPEG files in memory, the reading of WebP, and the size of an image from its header.
+// PNG and JPEG files in memory, the reading of WebP and Targa, and the size of an image from its
+// header.
 #pragma once
 
 #include <cstddef>
@@ -33,8 +34,8 @@ struct DecodedImage {
   std::size_t total() const { return static_cast<std::size_t>(columns) * rows; }
 };
 
-/// Decodes a PNG (16 bits are rounded to 8, gamma and colour profile do not count), a JPEG or a
-/// WebP. The last two only where foci was built with them.
+/// Decodes a PNG (16 bits are rounded to 8, gamma and colour profile do not count), a Targa
+/// (targa.h), a JPEG or a WebP. The last two only where foci was built with them.
 /// @return nothing for another format, broken bytes, or an image of more than `max_pixels`
 std::optional<DecodedImage> decodeImage(std::span<const unsigned char> bytes,
                                         std::uint64_t max_pixels = kMaxImagePixels);
