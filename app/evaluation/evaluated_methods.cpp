@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/input_error.h"
+#include "base/transformed.h"
 
 namespace foci {
 namespace {
@@ -71,10 +72,7 @@ std::string EvaluatedMethod::fileName() const {
 std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& specs,
                                               SettingRange range) {
   if (specs.empty()) return everyMethod(range);
-  std::vector<EvaluatedMethod> chosen;
-  chosen.reserve(specs.size());
-  for (const std::string& spec : specs) chosen.push_back(methodOfSpec(spec));
-  return chosen;
+  return transformed(specs, methodOfSpec);
 }
 
 std::span<const FamilyStyle> methodFamilies() {
