@@ -317,11 +317,6 @@ double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<doub
   return steepest;
 }
 
-PupilWavefront wavefrontIn(const Pupil& pupil) {
-  return PupilWavefront(pupil.wavefront ? pupil.wavefront
-                                        : Wavefront{.zernike_um = {}, .pupil_m = pupil.diameter_m});
-}
-
 Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {
   assert(sample_rad > 0.0 && size > 0);
   int finer =
