@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string_view>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "base/transformed.h"
 
 namespace foci {
@@ -53,11 +53,7 @@ EvaluatedMethod methodOfSpec(const std::string& spec) {
   const std::string name = spec.substr(0, colon);
   const MethodInfo& info = methodInfo(spec);
   if (!info.variants.empty()) return {spec, std::nullopt};
-  if (colon != std::string::npos) {
-    int setting = 0;  // the registry has checked the number
-    std::from_chars(spec.data() + colon + 1, spec.data() + spec.size(), setting);
-    return {name, setting};
-  }
+  if (colon != std::string::npos) return {name, parseInteger<int>(spec.substr(colon + 1))};
   return {name, standardSettingOf(info)};
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/rows.h"
 #include "calibration/calibration_file.h"
 
 namespace foci {
@@ -92,11 +93,8 @@ std::string targetText(const glm::dvec2& p) {
 }
 
 std::string slippedText(const GazeReport& report) {
-  std::string text;
-  for (const glm::dvec2& p : report.fit.refused) {
-    text += (text.empty() ? "(" : ", (") + targetText(p) + ")";
-  }
-  return text;
+  return listed(report.fit.refused, ", ",
+                [](const glm::dvec2& p) { return "(" + targetText(p) + ")"; });
 }
 
 /// Sums from which the measures of one target or of all targets follow.
@@ -148,21 +146,15 @@ std::string gazeReportJson(const GazeReport& report) {
   json += ", \"validated\": " + std::string(report.validated ? "true" : "false");
   json += ", \"uncertainty_deg\": " + jsonOf(accuracy.overall.uncertainty_deg);
   json += ", \"within_uncertainty\": " + jsonOf(accuracy.overall.within);
-  json += ", \"slipped_targets\": [";
-  for (std::size_t i = 0; i < report.fit.refused.size(); ++i) {
-    json += (i ? ", " : "") + exactText(report.fit.refused[i]);
-  }
-  json += "], \"fit_ms\": " + exactText(report.fit.ms) + ", \"targets\": [";
-  for (std::size_t i = 0; i < accuracy.targets.size(); ++i) {
-    const TargetMeasures& t = accuracy.targets[i];
-    json += (i ? ", {" : "{") + std::string("\"target\": ") + exactText(t.target) + ", " +
-            measuresJson(t.measures, std::nullopt) + "}";
-  }
-  json += "], \"warnings\": [";
-  for (const std::string& text : report.warnings) {
-    json += (&text == report.warnings.data() ? "" : ", ") + quotedText(text);
-  }
-  return json + "]}\n";
+  const auto targetJson = [](const TargetMeasures& t) {
+    return "{\"target\": " + exactText(t.target) + ", " + measuresJson(t.measures, std::nullopt) +
+           "}";
+  };
+  json += ", \"slipped_targets\": [" +
+          listed(report.fit.refused, ", ", [](const glm::dvec2& p) { return exactText(p); });
+  json += "], \"fit_ms\": " + exactText(report.fit.ms);
+  json += ", \"targets\": [" + listed(accuracy.targets, ", ", targetJson);
+  return json + "], \"warnings\": [" + listed(report.warnings, ", ", quotedText) + "]}\n";
 }
 
 std::string gazeReportText(const GazeReport& report) {
