@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/input_error.h"
+#include "base/rows.h"
 #include "calibration/toml_file.h"
 
 namespace foci {
@@ -132,9 +133,7 @@ void CalibrationFile::refuse(const std::string& key, const std::string& allowed)
 }
 
 std::string exactText(std::span<const double> values) {
-  std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + exactText(value);
-  return text + "]";
+  return "[" + listed(values, ", ", [](double value) { return exactText(value); }) + "]";
 }
 
 std::string exactText(const glm::dvec2& pair) { return exactText(std::span(&pair.x, 2)); }

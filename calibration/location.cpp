@@ -21,9 +21,7 @@ RobustLocation robustLocation(std::span<const glm::dvec2> samples,
   for (int axis = 0; axis < 2; ++axis) {
     for (std::size_t i = 0; i < samples.size(); ++i) values[i] = samples[i][axis];
     location.centre[axis] = quantile(values, 0.5);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      values[i] = std::abs(samples[i][axis] - location.centre[axis]);
-    }
+    for (double& value : values) value = std::abs(value - location.centre[axis]);
     scale[axis] = kSigmaPerMad * quantile(values, 0.5);
   }
   location.sd = scale;

@@ -78,7 +78,7 @@ class Replay {
     const std::lock_guard lock(mutex_);
     if (!in_scene_) {
       judged_ = eventsOfRun(study(), gaze_.trace, gaze_.schedule.first_s, gaze_.schedule.end_s());
-      for (const std::string& each : judged_.warnings) warnings_.add(study().gaze.source, each);
+      warnings_.addAll(study().gaze.source, judged_.warnings);
       in_scene_ = lookIntoScene(study(), gaze_, cloud_, judged_, false);
     }
     if (name == "events") {

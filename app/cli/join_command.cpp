@@ -10,6 +10,7 @@
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/replay/join.h"
+#include "base/transformed.h"
 
 namespace foci {
 namespace {
@@ -21,9 +22,7 @@ struct JoinOptions {
 };
 
 void runJoin(const JoinOptions& options, const std::string& command_line) {
-  std::vector<Part> parts;
-  for (const std::string& folder : options.parts) parts.push_back(readPart(folder));
-  parts = inOrder(std::move(parts));
+  const std::vector<Part> parts = inOrder(transformed(options.parts, readPart));
   const Study study = studyOf(parts.front());
   std::vector<std::filesystem::path> inputs;
   for (const Part& part : parts) {

@@ -24,6 +24,7 @@
 #include "base/nearest.h"
 #include "base/rows.h"
 #include "base/text.h"
+#include "base/transformed.h"
 #include "render/literature/literature.h"
 
 namespace foci {
@@ -45,10 +46,7 @@ std::vector<std::string> optionsOf(const CLI::App& app) {
 }
 
 std::string unknownCommand(const CLI::App& app, const char* word) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : commandsOf(app)) {
-    names.push_back(command->get_name());
-  }
+  const auto names = transformed(commandsOf(app), &CLI::App::get_name);
   const auto near = nearWord(word, names);
   return "unknown command " + shown(word) +
          (near ? ": did you mean " + *near + "?" : ": expected one of " + listed(names));

@@ -27,14 +27,13 @@ std::string reproduceJson(const ReproduceSummary& summary) {
   }
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const ReproduceRow& row : summary.rows) {
-    nlohmann::ordered_json one = {{"scene", row.scene},
-                                  {"aperture", row.aperture_m},
-                                  {"method", row.method},
-                                  {"threads", row.threads},
-                                  {"kfragments", row.kfragments},
-                                  {"ms_median", row.ms_median},
-                                  {"psnr_dB", jsonNumber(row.psnr_dB)}};
-    rows.push_back(std::move(one));
+    rows.push_back({{"scene", row.scene},
+                    {"aperture", row.aperture_m},
+                    {"method", row.method},
+                    {"threads", row.threads},
+                    {"kfragments", row.kfragments},
+                    {"ms_median", row.ms_median},
+                    {"psnr_dB", jsonNumber(row.psnr_dB)}});
   }
   nlohmann::ordered_json all = {{"out", summary.out.string()},
                                 {"seconds", summary.seconds},

@@ -6,6 +6,7 @@
 #include "app/study/study_words.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "gaze/sources/recording_formats.h"
 
 namespace foci {
 namespace {
@@ -70,11 +71,7 @@ TraceDescription descriptionOf(const TraceOptions& options) {
     columns.rows = {{options.rows.substr(0, at), options.rows.substr(at + 1)}};
   }
   if (!options.units.empty()) columns.units = unitsOf(options.units);
-  const Screen given = screenOf(options.screen);
-  Screen& screen = description.screen;
-  if (given.size_px.x > 0) screen.size_px = given.size_px;
-  if (given.size_m.x > 0.0) screen.size_m = given.size_m;
-  if (given.distance_m > 0.0) screen.distance_m = given.distance_m;
+  description.screen = screenInForce(screenOf(options.screen), description.screen);
   return description;
 }
 

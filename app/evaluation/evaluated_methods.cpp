@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string_view>
 
 #include "base/input_error.h"
+#include "base/text.h"
+#include "base/transformed.h"
 
 namespace foci {
 namespace {
@@ -52,11 +53,7 @@ EvaluatedMethod methodOfSpec(const std::string& spec) {
   const std::string name = spec.substr(0, colon);
   const MethodInfo& info = methodInfo(spec);
   if (!info.variants.empty()) return {spec, std::nullopt};
-  if (colon != std::string::npos) {
-    int setting = 0;  // the registry has checked the number
-    std::from_chars(spec.data() + colon + 1, spec.data() + spec.size(), setting);
-    return {name, setting};
-  }
+  if (colon != std::string::npos) return {name, parseInteger<int>(spec.substr(colon + 1))};
   return {name, standardSettingOf(info)};
 }
 
@@ -71,10 +68,7 @@ std::string EvaluatedMethod::fileName() const {
 std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& specs,
                                               SettingRange range) {
   if (specs.empty()) return everyMethod(range);
-  std::vector<EvaluatedMethod> chosen;
-  chosen.reserve(specs.size());
-  for (const std::string& spec : specs) chosen.push_back(methodOfSpec(spec));
-  return chosen;
+  return transformed(specs, methodOfSpec);
 }
 
 std::span<const FamilyStyle> methodFamilies() {

@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/nearest.h"
 #include "base/rows.h"
+#include "base/transformed.h"
 
 namespace foci {
 
@@ -40,9 +41,7 @@ struct Measured {
 template <class Scene, class NameOf>
 void keepChosen(std::vector<Scene>& scenes, const EvaluationChoice& choice, const NameOf& nameOf) {
   if (choice.scenes.empty()) return;
-  std::vector<std::string> known;
-  known.reserve(scenes.size());
-  for (const Scene& scene : scenes) known.push_back(nameOf(scene));
+  const std::vector<std::string> known = transformed(scenes, nameOf);
   const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };

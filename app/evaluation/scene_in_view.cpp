@@ -43,10 +43,6 @@ View viewFrom(const EyePose& pose, const glm::ivec2& size_px, double fov_rad) {
   return viewOfCamera(eyeFromWorld(pose.position_m, pose.target_m, pose.up), size_px, fov_rad);
 }
 
-View viewFrom(const EyePose& pose, int size_px, double fov_rad) {
-  return viewFrom(pose, glm::ivec2(size_px), fov_rad);
-}
-
 RenderSettings settingsFor(double focus_m, const glm::vec3& background) {
   RenderSettings settings;
   settings.defocus.focus_D = static_cast<float>(1.0 / focus_m);
@@ -70,7 +66,7 @@ SceneInView lionInView(std::string name, SurfelCloud cloud, const EyePose& pose,
   const double focus_m = focusAt_m(cloud, pose);
   return {.name = std::move(name),
           .cloud = std::move(cloud),
-          .view = viewFrom(pose, size_px, fov_rad),
+          .view = viewFrom(pose, glm::ivec2(size_px), fov_rad),
           .settings = settingsFor(focus_m, {0.03f, 0.035f, 0.045f})};
 }
 
@@ -124,7 +120,7 @@ double SceneInView::largestBlurThrough_px(double aperture_m) const {
 SceneInView planeInView(int samples, int size_px) {
   return {.name = "plane",
           .cloud = makePlane(samples, kPlaneSide_m),
-          .view = viewFrom(kPlanePose, size_px, kPlaneFov_rad),
+          .view = viewFrom(kPlanePose, glm::ivec2(size_px), kPlaneFov_rad),
           .settings = settingsFor(kPlaneFocus_m, glm::vec3(0.2f))};
 }
 
@@ -186,7 +182,8 @@ SceneInView galleryInView(int width_px, float step_px) {
 
 View maskView(int size_px) {
   // A step nearer than the gallery's own eye pose, past the foreground.
-  return viewFrom({{-0.02f, 1.35f, -0.38f}, {0.177f, 1.462f, -1.55f}}, size_px, kMaskFov_rad);
+  return viewFrom({{-0.02f, 1.35f, -0.38f}, {0.177f, 1.462f, -1.55f}}, glm::ivec2(size_px),
+                  kMaskFov_rad);
 }
 
 SceneInView maskInView(int size_px, float step_px) {
@@ -201,7 +198,7 @@ SceneInView fenceInView(int size_px) {
   const EyePose pose = fenceEyePose();
   return {.name = "fence",
           .cloud = makeFence(),
-          .view = viewFrom(pose, size_px, kFenceFov_rad),
+          .view = viewFrom(pose, glm::ivec2(size_px), kFenceFov_rad),
           .settings = settingsFor(glm::distance(pose.position_m, pose.target_m), glm::vec3(0.05f))};
 }
 

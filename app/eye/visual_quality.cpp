@@ -67,9 +67,8 @@ double GratingAcuity::logMAR() const { return std::log10(30.0 / cycles_per_deg);
 
 GratingAcuity acuityOf(const EyeOptics& eye) {
   constexpr int kMost_cycles_per_deg = 160;
-  std::vector<double> u;
-  u.reserve(kMost_cycles_per_deg + 1);
-  for (int i = 0; i <= kMost_cycles_per_deg; ++i) u.push_back(i);
+  std::vector<double> u(kMost_cycles_per_deg + 1);
+  std::iota(u.begin(), u.end(), 0.0);
   const std::vector<double> contrast = whiteMtf(eye, u);  // 1 at 0 cycles
   std::size_t i = 0;
   while (i + 1 < u.size() && contrast[i + 1] >= 0.05) ++i;
@@ -315,11 +314,6 @@ double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<doub
     }
   }
   return steepest;
-}
-
-PupilWavefront wavefrontIn(const Pupil& pupil) {
-  return PupilWavefront(pupil.wavefront ? pupil.wavefront
-                                        : Wavefront{.zernike_um = {}, .pupil_m = pupil.diameter_m});
 }
 
 Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {

@@ -24,9 +24,6 @@ struct EyeOptics {
   double pupil_aspect = 1.0;  ///< width over height of an elliptical pupil as high as `pupil`
 };
 
-/// The wavefront in a pupil; a plane one if it has none.
-PupilWavefront wavefrontIn(const Pupil& pupil);
-
 /// The largest angle of a ray of a point of light to that of a sharp eye, at these shares of the
 /// pupil's radius and as many angles around it.
 double steepest_rad(const EyeOptics& eye, int angles, std::initializer_list<double> shares);

@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "base/text.h"
 
@@ -259,18 +258,6 @@ void drawEndLabels(const Area& area, Drawing& drawing) {
   }
 }
 
-}  // namespace
-
-namespace {
-
-/// With about three significant digits.
-std::string shortText(double value) {
-  std::ostringstream text;
-  text.precision(3);
-  text << value;
-  return text.str();
-}
-
 std::string axisText(const std::string& letter, const PlotAxis& axis) {
   std::string text = letter + (axis.title.empty() ? "" : ": " + axis.title);
   if (axis.ticks.size() > 1) {
@@ -286,8 +273,8 @@ std::string valueText(const PlotAxis& axis, double value) {
     if (std::abs(tick.at - value) < 1e-9) return tick.text;
     time |= tick.text.ends_with(" ms") || tick.text.ends_with(" s");
   }
-  if (!time) return shortText(value);
-  return value < 1000.0 ? shortText(value) + " ms" : shortText(value / 1000.0) + " s";
+  if (!time) return significant(value, 3);
+  return value < 1000.0 ? significant(value, 3) + " ms" : significant(value / 1000.0, 3) + " s";
 }
 
 /// The plot in words: axes, levels, and the ends of each series.

@@ -9,6 +9,7 @@
 #include "base/quiet_stderr.h"
 #include "base/shared_library.h"
 #include "base/text.h"
+#include "base/transformed.h"
 
 namespace foci {
 namespace {
@@ -27,10 +28,7 @@ std::vector<std::string> extensionsOf(PFN_xrEnumerateInstanceExtensionProperties
   std::vector<XrExtensionProperties> all(count,
                                          xrOf<XrExtensionProperties>(XR_TYPE_EXTENSION_PROPERTIES));
   enumerate(nullptr, count, &count, all.data());
-  std::vector<std::string> names;
-  names.reserve(count);
-  for (const auto& each : all) names.emplace_back(each.extensionName);
-  return names;
+  return transformed(all, [](const auto& each) { return std::string(each.extensionName); });
 }
 
 template <class Function>

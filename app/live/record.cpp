@@ -308,9 +308,7 @@ void LiveRecord::finish() {
     }
     RunEvents judged =
         eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
-    for (const std::string& warning : judged.warnings) {
-      warnings_.add(study.gaze.source, warning);
-    }
+    warnings_.addAll(study.gaze.source, judged.warnings);
     facts.gaze = factsOf(trace, judged);
     events = std::move(judged.events);
   }

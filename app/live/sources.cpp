@@ -8,6 +8,7 @@
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "app/study/session_settings_of.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/webcam/webcam_calibration.h"
@@ -197,6 +198,25 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
                      "webcam[:N|FILE]");
   }
   return named;
+}
+
+LiveNext openedFile(const std::filesystem::path& file, const StudyRequest& options,
+                    const std::string& source, const Study& now) {
+  if (isScene(file) || lowerExtension(file) == ".toml") {
+    StudyAsked asked = studyOf({.study = file.string(),
+                                .size = options.size,
+                                .device = options.device,
+                                .no_cache = options.no_cache});
+    return {.study = std::move(asked.study),
+            .scene = std::move(asked.scene),
+            .source = source.starts_with("trace:") ? "mouse" : source,
+            .title = file.filename().string()};
+  }
+  LiveNext next{.study = now,
+                .source = "trace:" + file.string(),
+                .title = now.file.filename().string() + ", " + file.filename().string()};
+  openLiveSource(next.source, next.study);  // or says what is wrong with it
+  return next;
 }
 
 }  // namespace foci

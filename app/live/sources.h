@@ -1,6 +1,7 @@
-// The gaze source that `foci live --source` names.
+// The gaze source that `foci live --source` names, and what a dropped file shows.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
@@ -8,8 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "app/live/options.h"
 #include "app/platform/warnings.h"
-#include "app/study/study.h"
+#include "app/study/study_request.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/live/live_source.h"
 #include "gaze/live/trace_player.h"
@@ -45,5 +47,13 @@ struct NamedSource {
 ///   webcam[:N|FILE]. A map of foci calibrate gaze in the study is applied to all but the mouse.
 /// @throws InputError for an unknown source
 NamedSource openLiveSource(const std::string& name, const Study& study);
+
+/// What the window shows once a file is dropped on it: a scene or a study, or else a recording,
+/// which plays in the study that is shown.
+/// @param options  of the command, for a scene or a study: --size, --device and --no-cache
+/// @param source   of the gaze so far
+/// @throws InputError
+LiveNext openedFile(const std::filesystem::path& file, const StudyRequest& options,
+                    const std::string& source, const Study& now);
 
 }  // namespace foci

@@ -117,7 +117,6 @@ void OutputGuard::check(const fs::path& output, const fs::path& place, bool ours
                    "--overwrite");
 }
 
-namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLedger = ".foci-outputs";

@@ -11,6 +11,7 @@
 #include "app/platform/warnings.h"
 #include "app/prepare/fidelity_section.h"
 #include "base/input_error.h"
+#include "base/quantile.h"
 #include "base/text.h"
 #include "render/lod/cut.h"
 #include "render/lod/moment_tree.h"
@@ -216,9 +217,7 @@ std::vector<LevelNormalisation> normalisationOfLevels(const MomentTree& tree) {
 
 double medianSpacing_m(const SurfelCloud& cloud) {
   std::vector<float> area_m2(cloud.area_m2.begin(), cloud.area_m2.end());
-  const auto middle = area_m2.begin() + static_cast<std::ptrdiff_t>(area_m2.size() / 2);
-  std::nth_element(area_m2.begin(), middle, area_m2.end());
-  return std::sqrt(static_cast<double>(*middle));
+  return std::sqrt(double{quantile(area_m2, 0.5)});
 }
 
 std::filesystem::path reportOf(std::filesystem::path scene) {

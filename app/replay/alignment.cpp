@@ -13,6 +13,7 @@
 #include "base/quantile.h"
 #include "base/rows.h"
 #include "base/text.h"
+#include "base/transformed.h"
 #include "gaze/focus/vergence.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/lod/surface_query.h"
@@ -185,10 +186,8 @@ class Search {
       const Pose step{yaw_rad / 8, 0.02, glm::dvec3(voxels.cube_m())};
       found[i] = climb(found[i].pose, some, fine, sigma_D_, step, 4, 3);
     });
-    std::vector<Pose> poses;
-    for (const Scored& each : elsewhere(std::move(found), kElsewhere, kFinalists + 1)) {
-      poses.push_back(each.pose);
-    }
+    auto poses =
+        transformed(elsewhere(std::move(found), kElsewhere, kFinalists + 1), &Scored::pose);
     if (!poses.empty()) {
       const Pose step{yaw_rad / 16, 0.01, glm::dvec3(voxels.cube_m() / 2)};
       poses[0] = climb(poses[0], sights_, fine, sigma_D_, step, 5, 6).pose;

@@ -16,6 +16,7 @@
 #include "app/replay/fixation_tables.h"
 #include "base/quantile.h"
 #include "base/text.h"
+#include "base/transformed.h"
 #include "gaze/sources/rows.h"
 
 namespace foci {
@@ -366,9 +367,7 @@ std::vector<std::filesystem::path> compareFiles(const std::filesystem::path& out
 
 void compareRuns(const std::vector<std::filesystem::path>& folders,
                  const std::filesystem::path& out, const OutputGuard& guard) {
-  std::vector<ComparedRun> runs;
-  runs.reserve(folders.size());
-  for (const std::filesystem::path& folder : folders) runs.push_back(readRun(folder));
+  std::vector<ComparedRun> runs = transformed(folders, readRun);
   nameRuns(runs);
   const GazeOverlaps overlaps = gazeOverlaps(runs);
   OutputFolder files(out, guard);

@@ -13,6 +13,7 @@
 #include "app/replay/heatmap.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
+#include "base/quantile.h"
 #include "base/rows.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
@@ -66,9 +67,7 @@ Image medianOf(std::vector<Image> images) {
   for (std::size_t i = 0; i < median.rgb.size(); ++i) {
     for (std::size_t k = 0; k < images.size(); ++k) values[k] = images[k].rgb[i];
     values.back() = median.rgb[i];
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median.rgb[i] = *middle;
+    median.rgb[i] = quantile(values, 0.5);
   }
   return median;
 }

@@ -48,9 +48,8 @@ class Looker {
   /// @param surface  gets what the sight meets; null: not wanted
   void look(const GazeSample& from, SightSample& sample, std::vector<SurfelShare>* surface) const {
     const double start_s = gaze_.trace.samples.front().time_s;
-    const auto later =
-        std::upper_bound(paths_.begin() + 1, paths_.end(), from.time_s,
-                         [](double time_s, const PathFrom& path) { return time_s < path.time_s; });
+    const auto later = std::ranges::upper_bound(paths_.begin() + 1, paths_.end(), from.time_s, {},
+                                                &PathFrom::time_s);
     const glm::dmat4 world_from_eye =
         glm::inverse(glm::dmat4(std::prev(later)->path.eyeFromWorldAt(from.time_s - start_s)));
     sample.origin_m = glm::dvec3(world_from_eye[3]);
@@ -78,21 +77,11 @@ class Looker {
       if (shapes[i].holds(point_m)) return i + 1;
     }
     if (cloud_.objects.empty()) return 0;
-    std::vector<std::pair<std::uint16_t, double>> shares;
-    for (const SurfelShare& each : surface) {
-      const std::uint16_t object = cloud_.objects.of[each.surfel];
-      const auto found =
-          std::ranges::find_if(shares, [&](const auto& share) { return share.first == object; });
-      if (found == shares.end()) {
-        shares.emplace_back(object, each.share);
-      } else {
-        found->second += each.share;
-      }
-    }
+    std::map<std::uint16_t, double> shares;
+    for (const SurfelShare& each : surface) shares[cloud_.objects.of[each.surfel]] += each.share;
     if (shares.empty()) return 0;
-    const auto most = std::ranges::max_element(shares, [](const auto& a, const auto& b) {
-      return a.second < b.second || (a.second == b.second && a.first > b.first);
-    });
+    const auto most =
+        std::ranges::max_element(shares, {}, [](const auto& share) { return share.second; });
     return most->first == 0 ? 0 : shapes.size() + most->first;
   }
 
@@ -246,12 +235,10 @@ bool NamedShape::holds(const glm::dvec3& point_m) const {
 }
 
 std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSample> samples) {
-  const auto byTime = [](const SightSample& sample, double time_s) {
-    return sample.time_s < time_s;
+  const auto at = [&](double time_s) {
+    return std::ranges::lower_bound(samples, time_s, {}, &SightSample::time_s);
   };
-  const auto first = std::lower_bound(samples.begin(), samples.end(), event.onset_s, byTime);
-  const auto end = std::lower_bound(first, samples.end(), event.onset_s + event.duration_s, byTime);
-  return {first, end};
+  return {at(event.onset_s), at(event.onset_s + event.duration_s)};
 }
 
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,

@@ -15,6 +15,7 @@
 #include "base/input_error.h"
 #include "base/rows.h"
 #include "base/text.h"
+#include "base/transformed.h"
 #include "gaze/webcam/webcam_frames.h"
 
 namespace foci {
@@ -106,10 +107,7 @@ std::vector<std::string> folderNames(const std::vector<std::string>& traces) {
   }
   requireDifferent(files);
   const auto named = [&](std::size_t parts, bool extension) {
-    std::vector<std::string> names;
-    names.reserve(files.size());
-    for (const auto& file : files) names.push_back(nameOf(file, parts, extension));
-    return names;
+    return transformed(files, [&](const auto& file) { return nameOf(file, parts, extension); });
   };
   for (const bool extension : {false, true}) {
     for (std::size_t parts = 1; parts <= depth; ++parts) {
@@ -121,10 +119,8 @@ std::vector<std::string> folderNames(const std::vector<std::string>& traces) {
 }
 
 void nameSafely(std::vector<BatchRecording>& recordings) {
-  std::vector<std::string> names;
-  names.reserve(recordings.size());
-  for (const BatchRecording& each : recordings) names.push_back(safeName(each.name));
-  names = numbered(std::move(names));
+  std::vector<std::string> names = numbered(
+      transformed(recordings, [](const BatchRecording& each) { return safeName(each.name); }));
   for (std::size_t i = 0; i < names.size(); ++i) recordings[i].name = std::move(names[i]);
 }
 

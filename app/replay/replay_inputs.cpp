@@ -63,6 +63,11 @@ double takeRecordedPoses(ReplayedGaze& inputs) {
   return end_s;
 }
 
+std::vector<FileToHash> opened(const Study& study) {
+  const std::vector<std::filesystem::path> files = inputFiles(study);
+  return {files.begin(), files.end()};
+}
+
 }  // namespace
 
 ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
@@ -97,16 +102,6 @@ ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
   inputs.trials = trialsOf(inputs.study, inputs.trace, warnings);
   return inputs;
 }
-
-namespace {
-
-std::vector<FileToHash> opened(const Study& study) {
-  std::vector<FileToHash> files;
-  for (const std::filesystem::path& path : inputFiles(study)) files.emplace_back(path);
-  return files;
-}
-
-}  // namespace
 
 InputHashes::InputHashes(const Study& study, std::vector<InputFile> known)
     : files_(std::async(

@@ -190,9 +190,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
   const Schedule& schedule = gaze_.schedule;
   RunEvents judged = eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
   const std::vector<GazeEvent>& events = judged.events;
-  for (const std::string& warning : judged.warnings) {
-    warnings_.add(study_.gaze.source, warning);
-  }
+  warnings_.addAll(study_.gaze.source, judged.warnings);
   const GazeInScene in_scene =
       lookIntoScene(study_, gaze_, cloud_, judged, run.heatmap.has_value());
   folder_.write(kEvents, eventTable(events, gaze_.trials, study_.gaze.events.detector));
@@ -228,11 +226,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
                            schedule.time_s(schedule.frames - 1));
   warnings_.add(toleranceText(study_, facts));
   warnings_.add(focusText(study_, facts));
-  if (study_.eye.recorded) {
-    for (const std::string& doubt : agreement_.doubts()) {
-      warnings_.add(study_.gaze.source, doubt);
-    }
-  }
+  if (study_.eye.recorded) warnings_.addAll(study_.gaze.source, agreement_.doubts());
   facts.warnings = warnings_.all();
   folder_.write(kManifest, manifestJson(study_, facts.summary,
                                         {.command = run.command,

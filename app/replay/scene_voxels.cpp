@@ -17,8 +17,7 @@ constexpr float kLeastOpacity = 0.3f;  // of what hides something
 
 float coveringRadius_m(const SurfelCloud& cloud, std::size_t i) {
   if (!cloud.gaussians) return std::sqrt(cloud.area_m2[i] / 2.0f);  // half its square's diagonal
-  const Covariance3& variance = cloud.gaussians->covariance_m2[i];
-  return std::sqrt((variance.xx + variance.yy + variance.zz) / 2.0f);  // flat: its sigma
+  return std::sqrt(traceOf(cloud.gaussians->covariance_m2[i]) / 2.0f);  // flat: its sigma
 }
 
 float opacityOf(const SurfelCloud& cloud, std::size_t i) {

@@ -9,6 +9,7 @@
 
 #include "app/session/auto_method.h"
 #include "base/input_error.h"
+#include "base/transformed.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/optics/view.h"
 
@@ -468,11 +469,8 @@ std::vector<glm::dvec2> Session::gazePoints_px(const FrameRecord& record) const 
   // On the surface that is fixated, so that both points fuse there; else on the screen.
   const glm::dvec3 sight = lineOfSight(screen, *point_px);
   const double distance_m = record.eye.surface_distance_m.value_or(screen.distance_m / -sight.z);
-  std::vector<glm::dvec2> points_px;
-  for (const EyeView& eye : viewsAt(record.time_s)) {
-    points_px.push_back(projectForEye(eye, distance_m * sight));
-  }
-  return points_px;
+  return transformed(viewsAt(record.time_s),
+                     [&](const EyeView& eye) { return projectForEye(eye, distance_m * sight); });
 }
 
 }  // namespace foci

@@ -13,6 +13,7 @@
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/nearest.h"
+#include "base/transformed.h"
 
 namespace foci {
 
@@ -80,10 +81,7 @@ inline InputError unknownKey(const std::string& where, const std::string& name,
 
 template <class T>
 std::vector<std::string> namesOf(const std::vector<Key<T>>& keys) {
-  std::vector<std::string> names;
-  names.reserve(keys.size());
-  for (const Key<T>& key : keys) names.emplace_back(key.name);
-  return names;
+  return transformed(keys, &Key<T>::name);
 }
 
 /// Applies a TOML table of keys with the given prefix to `to`.

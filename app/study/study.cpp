@@ -38,10 +38,7 @@ void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
 void takeMonitor(Study& study) {
   if (!study.screen.monitor) return;
   const ScreenCalibration calibration = readScreen(*study.screen.monitor);
-  const Screen& screen = calibration.screen;
-  study.screen.size_px = screen.size_px;
-  study.screen.size_m = screen.size_m;
-  study.screen.distance_m = screen.distance_m;
+  static_cast<Screen&>(study.screen) = calibration.screen;
   study.screen.gamma = calibration.gamma;
   study.screen.is_default = false;
 }
@@ -323,7 +320,7 @@ Screen Study::screenInForce() const {
   if (display.kind == DisplayKind::headset) {
     return headsetScreen(fieldOfBothEyes(headsetEyes()), display.pixels_per_degree);
   }
-  return {.size_px = screen.size_px, .size_m = screen.size_m, .distance_m = screen.distance_m};
+  return screen;
 }
 
 namespace {

@@ -83,11 +83,10 @@ struct Study {
     std::optional<EyePath> recorded;
   } eye;
 
-  struct ScreenChoice {
+  struct ScreenChoice : Screen {
+    ScreenChoice() : Screen(defaultScreen()) {}
+
     std::optional<std::filesystem::path> monitor;  ///< our TOML or PsychoPy JSON
-    glm::ivec2 size_px = defaultScreen().size_px;
-    glm::dvec2 size_m = defaultScreen().size_m;
-    double distance_m = defaultScreen().distance_m;
     std::optional<double> gamma;     ///< light = code^gamma; absent: sRGB as displayed
     double luminance_cd_m2 = 120.0;  ///< of white
     std::optional<std::filesystem::path>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/session/session_settings.h"
+#include "base/transformed.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -81,10 +82,7 @@ concept HasStudyWords = !kStudyWords<Enum>.empty();
 
 template <HasStudyWords Enum>
 std::vector<std::string_view> studyWords() {
-  std::vector<std::string_view> words;
-  words.reserve(kStudyWords<Enum>.size());
-  for (const auto& word : kStudyWords<Enum>) words.push_back(word.text);
-  return words;
+  return transformed(kStudyWords<Enum>, [](const auto& word) { return word.text; });
 }
 
 template <HasStudyWords Enum>

@@ -11,7 +11,6 @@
 #include "base/quantile.h"
 #include "base/text.h"
 #include "render/methods/method.h"
-#include "render/scene/gaussian_cloud.h"
 
 namespace foci {
 namespace {
@@ -21,14 +20,6 @@ constexpr float kTooNear_m = 0.02f;  // nearer than any eye focuses
 constexpr int kBins = 8;             // along each side of a face of a cube around the eye
 constexpr float kReach = 3.0f;       // support of a surfel's kernel, standard deviations
 
-float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
-  if (cloud.gaussians) {
-    const Covariance3& v = cloud.gaussians->covariance_m2[i];
-    return std::sqrt(v.xx + v.yy + v.zz);  // at least the longest axis
-  }
-  return std::max(glm::length(cloud.axis_u_m[i]), glm::length(cloud.axis_v_m[i]));
-}
-
 /// Whether any surfel may reach into the image.
 bool anyInView(const View& view, const SurfelCloud& cloud) {
   const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
@@ -36,7 +27,7 @@ bool anyInView(const View& view, const SurfelCloud& cloud) {
   const std::span<const glm::vec3> position_m = positionsOf(cloud);
   for (std::size_t i = 0; i < position_m.size(); ++i) {
     const glm::vec3 p(view.eye_from_world * glm::vec4(position_m[i], 1.0f));
-    const float reach = kReach * sigmaOf(cloud, i);
+    const float reach = kReach * largestSigma(cloud, i);
     if (-p.z + reach < view.near_m) continue;
     // Distances from the four planes through the eye and the borders of the image.
     const glm::vec2 aside = (glm::abs(glm::vec2(p)) + p.z * tangent) / across;

@@ -45,9 +45,7 @@ void normalise(std::span<const Station> stations, GazeMap& map) {
     std::vector<double> values(stations.size());
     for (std::size_t i = 0; i < stations.size(); ++i) values[i] = stations[i].gaze[axis];
     map.centre[axis] = quantile(values, 0.5);
-    for (std::size_t i = 0; i < stations.size(); ++i) {
-      values[i] = std::abs(stations[i].gaze[axis] - map.centre[axis]);
-    }
+    for (double& value : values) value = std::abs(value - map.centre[axis]);
     const double usual = quantile(values, 0.5);
     double largest = usual;
     for (double v : values) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
+#include "base/rows.h"
 #include "calibration/calibration_file.h"
 
 namespace foci {
@@ -16,10 +16,7 @@ std::string jsonOf(const std::optional<double>& value) {
 }
 
 std::string shown(const std::optional<double>& value, const char* format = "%.2f") {
-  if (!value) return "n/a";
-  char text[40];
-  std::snprintf(text, sizeof text, format, *value);
-  return text;
+  return value ? printed(format, *value) : "n/a";
 }
 
 std::string modelOf(const GazeReport& report) {
@@ -68,27 +65,25 @@ std::string svgOf(const GazeReport& report) {
       std::to_string(report.accuracy.targets.size()) + " targets; mean error " +
       shown(report.accuracy.overall.accuracy_deg) + "°, worst " + shown(report.accuracy.worst_deg) +
       "°. The table lists them.</desc>";
-  char line[400];
   for (const TargetMeasures& t : report.accuracy.targets) {
     const glm::dvec2 at = place(t.target);
-    std::snprintf(line, sizeof line,
-                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" class=\"target\"/>"
-                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"1.5\"/>",
-                  at.x, at.y, at.x, at.y);
-    svg += line;
+    svg += printed(
+        "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" class=\"target\"/>"
+        "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"1.5\"/>",
+        at.x, at.y, at.x, at.y);
     if (!t.mean) continue;
     const glm::dvec2 seen =
         glm::clamp(place(*t.mean), glm::dvec2(0.0), glm::dvec2(kWidth, kHeight));
     // Near the centre of the plane z = 1 a degree is pi / 180.
     const double ring = scale * glm::radians(t.measures.sd_deg.value_or(0.0));
-    std::snprintf(line, sizeof line,
-                  "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>"
-                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" class=\"spread\"/>"
-                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"gaze\"/>"
-                  "<text x=\"%.1f\" y=\"%.1f\">%s</text>",
-                  at.x, at.y, seen.x, seen.y, seen.x, seen.y, ring, seen.x, seen.y, at.x + 12,
-                  at.y - 10, (shown(t.measures.accuracy_deg) + "°").c_str());
-    svg += line;
+    svg += printed(
+        "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>"
+        "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" class=\"spread\"/>",
+        at.x, at.y, seen.x, seen.y, seen.x, seen.y, ring);
+    svg += printed(
+        "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"gaze\"/>"
+        "<text x=\"%.1f\" y=\"%.1f\">%s°</text>",
+        seen.x, seen.y, at.x + 12, at.y - 10, shown(t.measures.accuracy_deg).c_str());
   }
   return svg + "</svg>";
 }
@@ -98,11 +93,8 @@ std::string targetText(const glm::dvec2& p) {
 }
 
 std::string slippedText(const GazeReport& report) {
-  std::string text;
-  for (const glm::dvec2& p : report.fit.refused) {
-    text += (text.empty() ? "(" : ", (") + targetText(p) + ")";
-  }
-  return text;
+  return listed(report.fit.refused, ", ",
+                [](const glm::dvec2& p) { return "(" + targetText(p) + ")"; });
 }
 
 /// Sums from which the measures of one target or of all targets follow.
@@ -154,45 +146,35 @@ std::string gazeReportJson(const GazeReport& report) {
   json += ", \"validated\": " + std::string(report.validated ? "true" : "false");
   json += ", \"uncertainty_deg\": " + jsonOf(accuracy.overall.uncertainty_deg);
   json += ", \"within_uncertainty\": " + jsonOf(accuracy.overall.within);
-  json += ", \"slipped_targets\": [";
-  for (std::size_t i = 0; i < report.fit.refused.size(); ++i) {
-    json += (i ? ", " : "") + exactText(report.fit.refused[i]);
-  }
-  json += "], \"fit_ms\": " + exactText(report.fit.ms) + ", \"targets\": [";
-  for (std::size_t i = 0; i < accuracy.targets.size(); ++i) {
-    const TargetMeasures& t = accuracy.targets[i];
-    json += (i ? ", {" : "{") + std::string("\"target\": ") + exactText(t.target) + ", " +
-            measuresJson(t.measures, std::nullopt) + "}";
-  }
-  json += "], \"warnings\": [";
-  for (const std::string& text : report.warnings) {
-    json += (&text == report.warnings.data() ? "" : ", ") + quotedText(text);
-  }
-  return json + "]}\n";
+  const auto targetJson = [](const TargetMeasures& t) {
+    return "{\"target\": " + exactText(t.target) + ", " + measuresJson(t.measures, std::nullopt) +
+           "}";
+  };
+  json += ", \"slipped_targets\": [" +
+          listed(report.fit.refused, ", ", [](const glm::dvec2& p) { return exactText(p); });
+  json += "], \"fit_ms\": " + exactText(report.fit.ms);
+  json += ", \"targets\": [" + listed(accuracy.targets, ", ", targetJson);
+  return json + "], \"warnings\": [" + listed(report.warnings, ", ", quotedText) + "]}\n";
 }
 
 std::string gazeReportText(const GazeReport& report) {
   const GazeMeasures& all = report.accuracy.overall;
-  char line[200];
-  std::string text;
-  std::snprintf(line, sizeof line, "%s calibration (%s): accuracy %s deg, worst target %s deg\n",
-                std::string(nameOf(gradeOf(report.accuracy))).c_str(),
-                report.validated ? "validated" : "measured on its own samples",
-                shown(all.accuracy_deg).c_str(), shown(report.accuracy.worst_deg).c_str());
-  text += line;
-  std::snprintf(line, sizeof line,
-                "model %s, precision %s deg RMS-S2S, %s deg SD, data loss %.1f %% of %zu samples\n",
-                modelOf(report).c_str(), shown(all.rms_s2s_deg).c_str(), shown(all.sd_deg).c_str(),
-                100.0 * lossShare(all), all.samples);
-  text += line;
+  std::string text =
+      printed("%s calibration (%s): accuracy %s deg, worst target %s deg\n",
+              std::string(nameOf(gradeOf(report.accuracy))).c_str(),
+              report.validated ? "validated" : "measured on its own samples",
+              shown(all.accuracy_deg).c_str(), shown(report.accuracy.worst_deg).c_str());
+  text +=
+      printed("model %s, precision %s deg RMS-S2S, %s deg SD, data loss %.1f %% of %zu samples\n",
+              modelOf(report).c_str(), shown(all.rms_s2s_deg).c_str(), shown(all.sd_deg).c_str(),
+              100.0 * lossShare(all), all.samples);
   if (!report.fit.refused.empty())
     text += "left out, since the gaze there does not fit: " + slippedText(report) + "\n";
   text += "          target  accuracy  RMS-S2S     SD   loss\n";
   for (const TargetMeasures& t : report.accuracy.targets) {
-    std::snprintf(line, sizeof line, "%16s %9s %8s %6s %5.1f%%\n", targetText(t.target).c_str(),
-                  shown(t.measures.accuracy_deg).c_str(), shown(t.measures.rms_s2s_deg).c_str(),
-                  shown(t.measures.sd_deg).c_str(), 100.0 * lossShare(t.measures));
-    text += line;
+    text += printed("%16s %9s %8s %6s %5.1f%%\n", targetText(t.target).c_str(),
+                    shown(t.measures.accuracy_deg).c_str(), shown(t.measures.rms_s2s_deg).c_str(),
+                    shown(t.measures.sd_deg).c_str(), 100.0 * lossShare(t.measures));
   }
   return text;
 }

@@ -9,6 +9,7 @@
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "base/text.h"
+#include "base/transformed.h"
 #include "calibration/location.h"
 
 namespace foci {
@@ -155,10 +156,7 @@ std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations) {
   drop([&](const Station& s) { return std::ranges::find(twins, s.target) != twins.end(); });
   if (kept.size() < kMinTargets || 2 * kept.size() < stations.size()) return {};
   stations = std::move(kept);
-  std::vector<glm::dvec2> targets;
-  targets.reserve(dropped.size());
-  for (const Station& s : dropped) targets.push_back(s.target);
-  return targets;
+  return transformed(dropped, &Station::target);
 }
 
 void refuseUnusable(std::span<const Station> stations) {

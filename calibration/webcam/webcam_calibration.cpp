@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <opencv2/core.hpp>
 #include <sstream>
 
@@ -154,11 +153,10 @@ void requireSame(const WebcamCalibration& calibration, const Screen& screen,
                  const std::optional<Lens>& camera) {
   const glm::dvec2 ratio = screen.size_m / calibration.screen_m;
   if (glm::any(glm::greaterThan(glm::abs(ratio - 1.0), glm::dvec2(kSameScreen)))) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "expected the calibrated screen of %.3f x %.3f m, not %.3f x %.3f m",
-                  calibration.screen_m.x, calibration.screen_m.y, screen.size_m.x, screen.size_m.y);
-    throw InputError("gaze.map", text);
+    throw InputError(
+        "gaze.map",
+        printed("expected the calibrated screen of %.3f x %.3f m, not %.3f x %.3f m",
+                calibration.screen_m.x, calibration.screen_m.y, screen.size_m.x, screen.size_m.y));
   }
   if (camera && !(*camera == calibration.reference.camera)) {
     throw InputError("gaze.camera",

@@ -93,32 +93,29 @@ std::optional<SampleLabel> TrainedEvents::push(const GazeSample& sample, const T
   }
   pending_.push_back(next);
   features_.push(sight, in_head);
-  if (pending_.size() > feature_delay_ + judged_) {
-    judgeMotion(pending_[judged_], labelled_ + judged_);
-    ++judged_;
-  }
+  if (pending_.size() > feature_delay_ + judged_) judgeNext();
   features_.forgetBefore(labelled_ + judged_);
   return pending_.size() > delay_ ? std::optional(settle()) : std::nullopt;
 }
 
 std::optional<SampleLabel> TrainedEvents::settleNext() {
   if (pending_.empty()) return std::nullopt;
-  if (judged_ < pending_.size()) {
-    judgeMotion(pending_[judged_], labelled_ + judged_);
-    ++judged_;
-  }
+  if (judged_ < pending_.size()) judgeNext();
   return settle();
 }
 
-void TrainedEvents::judgeMotion(Pending& pending, std::size_t sample) {
+/// Takes the oldest sample that has not passed the first step through it.
+void TrainedEvents::judgeNext() {
+  Pending& pending = pending_[judged_];
   const GazeFeatureVector features =
-      features_.of(sample, std::min(level_->ahead_s, settings_.delay_s));
+      features_.of(labelled_ + judged_, std::min(level_->ahead_s, settings_.delay_s));
   level_->motion.probabilities(features, pending.motion);
   if (pending.blink || pending.missing_s > settings_.max_gap_s) setGone(pending.motion);
   if (rate_Hz_ >= kMinOscillation_Hz && pending.motion[1] > 0.05) {
     pending.oscillation = probabilityOfSecond(level_->oscillation, features);
   }
   pending.from = motion_path_.push(pending.motion, pending.step_s);
+  ++judged_;
 }
 
 /// The state of the oldest sample on the most likely path.

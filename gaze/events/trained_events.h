@@ -136,7 +136,7 @@ class TrainedEvents {
     ViterbiPath<3>::From from{};
   };
 
-  void judgeMotion(Pending& pending, std::size_t sample);
+  void judgeNext();
   std::size_t motionOfOldest() const;
   SampleLabel settle();
   double pursuitOf(const Pending& pending);

@@ -221,16 +221,12 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
 }
 
 /// @throws InputError that names the metadata, if there are no rows
-void requireRows(const fs::path& file, const BidsMetadata& metadata) {
-  LineReader lines(file);
-  std::string_view line;
-  while (lines.next(line)) {
-    if (!trimmed(line).empty()) return;
-  }
+void requireRows(const RecordingFile& file, const BidsMetadata& metadata) {
+  if (!trimmed(file.firstLine()).empty()) return;
   throw InputError(
-      file.string(),
+      file.path().string(),
       "empty: the data file has no rows, as in most official examples; its metadata: " +
-          factsOf(metadata, headerOf(file, metadata)));
+          factsOf(metadata, headerOf(file.path(), metadata)));
 }
 
 /// Finds the other eye's sample of a time.
@@ -407,7 +403,7 @@ TraceHeader readBids(const RecordingFile& recording, const Screen& fallback_scre
   const fs::path& file = recording.path();
   const TraceColumns& described = recording.columns();
   const auto metadata = bidsMetadata(file);
-  requireRows(file, *metadata);
+  requireRows(recording, *metadata);
   std::optional<double> first_s;
   double last_s = 0.0;
   const TakeSample timed = [&](const GazeSample& sample) {

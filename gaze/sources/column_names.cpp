@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/nearest.h"
+#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {
@@ -132,10 +133,8 @@ std::string keysOf(std::string_view pattern, std::size_t side, char axis) {
 
 std::string listOf(const std::vector<std::string>& values) {
   constexpr std::size_t kMaxListed = 6;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(values.size(), kMaxListed); ++i) {
-    text += (i == 0 ? "" : ", ") + shown(values[i]);
-  }
+  const std::string text =
+      listed(std::span(values).first(std::min(values.size(), kMaxListed)), ", ", shown);
   return values.size() > kMaxListed ? text + ", ..." : text;
 }
 

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -17,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {
@@ -38,12 +38,9 @@ bool isFile(const fs::path& file) {
 
 /// The N of "STREAM psN.ENDING"; 0: another name.
 int partIn(const std::string& name) {
-  const std::size_t mark = name.rfind(" ps");
-  int part = 0;
-  if (mark == name.npos) return 0;
-  const char* const end = name.data() + name.size();
-  const auto [behind, error] = std::from_chars(name.data() + mark + 3, end, part);
-  return error == std::errc() && behind != end && *behind == '.' ? std::max(part, 0) : 0;
+  const std::size_t mark = name.rfind(" ps"), end = name.find('.', mark);
+  if (end == name.npos) return 0;
+  return std::max(parseInteger<int>(name.substr(mark + 3, end - mark - 3)).value_or(0), 0);
 }
 
 std::string partName(const char* stream, int part) {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "base/quantile.h"
+#include "base/transformed.h"
 #include "gaze/sources/lsl_stream.h"
 
 namespace foci {
@@ -54,9 +55,7 @@ Line fitLine(const std::vector<Point>& points) {
 }
 
 double medianDistance(const std::vector<Point>& points, const Line& line) {
-  std::vector<double> distances;
-  distances.reserve(points.size());
-  for (const Point& p : points) distances.push_back(std::abs(p.y - line(p.x)));
+  auto distances = transformed(points, [&](const Point& p) { return std::abs(p.y - line(p.x)); });
   return quantile(distances, 0.5);
 }
 

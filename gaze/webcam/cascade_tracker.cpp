@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/transformed.h"
 
 namespace foci {
 namespace {
@@ -236,12 +237,9 @@ struct FaceFinder::Cascades {
     });
     constexpr std::size_t kMaxFaces = 4;
     if (found.size() > kMaxFaces) found.resize(kMaxFaces);
-    std::vector<cv::Rect2d> boxes;
-    boxes.reserve(found.size());
-    for (const cv::Rect& box : found) {
-      boxes.emplace_back(box.x * scale, box.y * scale, box.width * scale, box.height * scale);
-    }
-    return boxes;
+    return transformed(found, [&](const cv::Rect& box) {
+      return cv::Rect2d(box.x * scale, box.y * scale, box.width * scale, box.height * scale);
+    });
   }
 
   /// Centres of possible eyes in the upper part of a face, px.

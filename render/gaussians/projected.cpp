@@ -11,11 +11,6 @@
 namespace foci {
 namespace {
 
-glm::vec3 times(const Covariance3& s, const glm::vec3& v) {
-  return {s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
-          s.xz * v.x + s.yz * v.y + s.zz * v.z};
-}
-
 class Projection {
  public:
   Projection(const View& view, const Defocus& defocus, const std::vector<SubApertureSize>& sizes)
@@ -49,8 +44,8 @@ class Projection {
     const glm::vec2 at = glm::clamp(tangent, low_, high_);
     const glm::vec3 row_x = view_.focal_px.x * inverse * (world_x_ + at.x * world_z_);
     const glm::vec3 row_y = view_.focal_px.y * inverse * (at.y * world_z_ - world_y_);
-    const Covariance3& s = cloud.covariance_m2[i];
-    const glm::vec3 sx = times(s, row_x), sy = times(s, row_y);
+    const glm::mat3 s = matrixOf(cloud.covariance_m2[i]);
+    const glm::vec3 sx = s * row_x, sy = s * row_y;
     const float xx = glm::dot(row_x, sx), xy = glm::dot(row_x, sy), yy = glm::dot(row_y, sy);
     out.x_px = view_.principal_px.x + view_.focal_px.x * tangent.x;
     out.y_px = view_.principal_px.y + view_.focal_px.y * tangent.y;
@@ -79,7 +74,7 @@ class Projection {
         by_sight ? (eye_m_ - p_world) / (length * length * length) : world_z_ * inverse * inverse;
     out.sx = glm::dot(sx, gradient);
     out.sy = glm::dot(sy, gradient);
-    out.e = std::max(glm::dot(gradient, times(s, gradient)), 0.0f);
+    out.e = std::max(glm::dot(gradient, s * gradient), 0.0f);
     out.off_D = defocus_.focus_D - 1.0f / out.distance_m;
     if (!place(out, depth, key)) return false;
 

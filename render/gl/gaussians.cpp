@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/parallel.h"
+#include "base/transformed.h"
 #include "render/gl/frame_stages.h"
 
 namespace foci {
@@ -25,14 +26,11 @@ std::vector<T> readArray(const GpuBuffer& buffer, std::size_t count) {
 /// What shaders/gaussian_blurs.glsl lists.
 std::vector<ListedGaussian> gaussiansOf(std::span<const glm::uvec2> listed) {
   constexpr std::uint32_t kStepBits = 3;
-  std::vector<ListedGaussian> gaussians;
-  gaussians.reserve(listed.size());
-  for (const glm::uvec2& each : listed) {
-    gaussians.push_back({.blur_px = std::bit_cast<float>(each.x),
-                         .opacity = std::bit_cast<float>(each.y & ~kStepBits),
-                         .step_px = 1 << (each.y & kStepBits)});
-  }
-  return gaussians;
+  return transformed(listed, [](const glm::uvec2& each) {
+    return ListedGaussian{.blur_px = std::bit_cast<float>(each.x),
+                          .opacity = std::bit_cast<float>(each.y & ~kStepBits),
+                          .step_px = 1 << (each.y & kStepBits)};
+  });
 }
 
 }  // namespace

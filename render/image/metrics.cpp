@@ -3,6 +3,7 @@
 // first frame.
 
 #include "render/image/metrics.h"
+#include "base/transformed.h"
 
 #include <algorithm>
 #include <array>
@@ -101,10 +102,7 @@ std::vector<float> gaussianFromMiddle(double sigma_px) {
     half[i] = std::exp(-0.5 * x * x);
     sum += i == 0 ? half[i] : 2.0 * half[i];
   }
-  std::vector<float> weights;
-  weights.reserve(half.size());
-  for (const double each : half) weights.push_back(static_cast<float>(each / sum));
-  return weights;
+  return transformed(half, [&](double each) { return static_cast<float>(each / sum); });
 }
 
 }  // namespace

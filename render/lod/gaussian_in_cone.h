@@ -51,12 +51,8 @@ inline std::optional<GaussianInCone> gaussianInCone(const ConeFrame& cone,
   const float depth = glm::dot(d, cone.z);
   if (!(depth >= nearest_m)) return std::nullopt;
   // In the cone's axes.
-  const Covariance3& s = cloud.covariance_m2[i];
-  const auto times = [&](const glm::vec3& v) {
-    return glm::vec3(s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
-                     s.xz * v.x + s.yz * v.y + s.zz * v.z);
-  };
-  const glm::vec3 sx = times(cone.x), sy = times(cone.y), sz = times(cone.z);
+  const glm::mat3 s = matrixOf(cloud.covariance_m2[i]);
+  const glm::vec3 sx = s * cone.x, sy = s * cone.y, sz = s * cone.z;
   const float xx = glm::dot(cone.x, sx), xy = glm::dot(cone.x, sy), yy = glm::dot(cone.y, sy);
   const float xz = glm::dot(cone.x, sz), yz = glm::dot(cone.y, sz), zz = glm::dot(cone.z, sz);
   const glm::vec2 aside(glm::dot(d, cone.x), glm::dot(d, cone.y));

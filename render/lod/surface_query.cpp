@@ -41,16 +41,6 @@ struct Box {
   }
 };
 
-/// Of a Gaussian, an upper bound.
-float largestSigma(const SurfelCloud& cloud, std::size_t i) {
-  if (cloud.gaussians) {
-    const Covariance3& v = cloud.gaussians->covariance_m2[i];
-    return std::sqrt(v.xx + v.yy + v.zz);
-  }
-  const glm::vec3 &u = cloud.axis_u_m[i], &v = cloud.axis_v_m[i];
-  return std::sqrt(std::max(glm::dot(u, u), glm::dot(v, v)));
-}
-
 constexpr std::uint32_t kNode = ~std::uint32_t{0};
 
 /// A node or a surfel that the walk has yet to visit, nearest first.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/transformed.h"
 #include "render/gl/image.h"
 #include "render/image/metrics.h"
 #include "render/methods/lens_gaussians.h"
@@ -114,9 +115,7 @@ class AccumulatedPoints final : public GaussianEyeMethod {
   RenderStats renderGeometry(const View& view, const RenderSettings& settings,
                              Frame& frame) override {
     if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
-      std::vector<glm::vec2> points;
-      points.reserve(all_.size());
-      for (const LensDisc& point : all_) points.push_back(point.centre);
+      const auto points = transformed(all_, &LensDisc::centre);
       return parts_.render(scene_, lensPoints(settings.defocus, settings.pupil, points), view,
                            settings, nullptr, frame);
     }
@@ -159,11 +158,9 @@ std::vector<LensDisc> subApertureDiscs(int n) {
   if (n <= 1) return {{glm::vec2(0.0f), 1.0f}};
   // The centres have the variance 1/4 of the lens (lens_samples.h), the discs a share of this.
   const float share = kDiscShare / static_cast<float>(n);
-  std::vector<LensDisc> discs;
-  for (const glm::vec2& centre : subApertureCentres(n)) {
-    discs.push_back({std::sqrt(1.0f - share) * centre, std::sqrt(share)});
-  }
-  return discs;
+  return transformed(subApertureCentres(n), [&](const glm::vec2& centre) {
+    return LensDisc{std::sqrt(1.0f - share) * centre, std::sqrt(share)};
+  });
 }
 
 float partDiscRadius(std::size_t n) { return n == 1 ? 1.0f : std::sqrt(kDiscShare); }

@@ -16,8 +16,7 @@ namespace foci {
 inline glm::vec2 lensSample(int i, int n) {
   const double golden_angle_rad = std::numbers::pi * (3.0 - std::sqrt(5.0));
   const double radius = std::sqrt((i + 0.5) / n), angle_rad = i * golden_angle_rad;
-  return {static_cast<float>(radius * std::cos(angle_rad)),
-          static_cast<float>(radius * std::sin(angle_rad))};
+  return glm::vec2(radius * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad)));
 }
 
 /// All `n` of these.
@@ -38,14 +37,13 @@ inline glm::vec2 lensSampleOfPixel(int i, int n, float shift, float turn) {
   const double radius = std::sqrt((i / 2 + offset - std::floor(offset)) / half);
   const double golden_angle_rad = std::numbers::pi * (3.0 - std::sqrt(5.0));
   const double angle_rad = 2.0 * std::numbers::pi * turn + i * golden_angle_rad;
-  return {static_cast<float>(radius * std::cos(angle_rad)),
-          static_cast<float>(radius * std::sin(angle_rad))};
+  return glm::vec2(radius * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad)));
 }
 
 /// Point of the unit circle, `turns` from the x axis.
 inline glm::vec2 onCircle(double turns) {
   const double angle_rad = 2.0 * std::numbers::pi * turns;
-  return {static_cast<float>(std::cos(angle_rad)), static_cast<float>(std::sin(angle_rad))};
+  return glm::vec2(glm::dvec2(std::cos(angle_rad), std::sin(angle_rad)));
 }
 
 /// Centres of `n` sub-apertures of the unit disc. Their mean is exactly the disc's centre. Their

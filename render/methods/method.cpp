@@ -10,6 +10,7 @@
 
 #include "base/input_error.h"
 #include "base/nearest.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "render/gl/image.h"
 
@@ -245,13 +246,9 @@ std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& clo
   if (choice.entry->make_of_gaussians != nullptr) {
     return choice.entry->make_of_gaussians(*cloud.gaussians, choice.n, its_gpu);
   }
-  std::string able;
-  for (const std::string_view name : methodsFor(cloud)) {
-    able += able.empty() ? "" : ", ";
-    able += name;
-  }
   throw InputError("method " + std::string(spec),
-                   "renders surfaces, and the scene holds Gaussians: expected one of ", able);
+                   "renders surfaces, and the scene holds Gaussians: expected one of ",
+                   listed(methodsFor(cloud)));
 }
 
 }  // namespace foci

@@ -1,9 +1,10 @@
 #include "render/methods/quality_level.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
+
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -33,15 +34,10 @@ std::string textOf(QualityLevel level) {
 }
 
 std::optional<QualityLevel> qualityLevelFrom(std::string_view method) {
-  if (!method.starts_with(kAutoMethod)) return std::nullopt;
-  method.remove_prefix(kAutoMethod.size());
-  if (!method.starts_with(':')) return std::nullopt;
-  method.remove_prefix(1);
-  int n = 0;
-  const char* end = method.data() + method.size();
-  const auto [rest, error] = std::from_chars(method.data(), end, n);
-  if (error != std::errc() || rest != end) return std::nullopt;
-  return qualityLevelNumbered(n);
+  const std::string before = std::string(kAutoMethod) + ':';
+  if (!method.starts_with(before)) return std::nullopt;
+  const auto n = parseInteger<int>(method.substr(before.size()));
+  return n ? qualityLevelNumbered(*n) : std::nullopt;
 }
 
 TimeBudget::TimeBudget(std::span<const float> relative, bool hopeful) : hopeful_(hopeful) {

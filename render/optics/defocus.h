@@ -87,15 +87,6 @@ inline float roundDefocus_D(const Defocus& defocus, float point_D) {
 Defocus defocusOfLens(double aperture_m, const glm::vec2& focal_px, double focus_D,
                       DistanceAlong along);
 
-/// Distance behind a thin lens at which a point `object_m` away is sharp: V = F U / (U - F), Eq. 1.
-/// Singular at U = F (returns infinity).
-double imageDistance_m(double focal_length_m, double object_m);
-
-/// Radius on the image plane, C = (A/2) |V_U - V_P| / V_U (Eq. 2). Singular like Eq. 1: renderers
-/// use `retinalRadius_m` or `Defocus` instead.
-double circleOfConfusion_m(double aperture_m, double focal_length_m, double point_m,
-                           double focus_m);
-
 /// Radius on the retina, C = (A/2) V_P |1/U - 1/P|.
 /// @param retina_m  lens to retina, 0.024 for the eye
 double retinalRadius_m(double aperture_m, double retina_m, double point_D, double focus_D);

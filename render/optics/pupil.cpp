@@ -174,11 +174,6 @@ LensPart partOf(const Defocus& defocus, const Pupil& pupil, const PupilWavefront
   return part;
 }
 
-PupilWavefront wavefrontOf(const Pupil& pupil) {
-  return PupilWavefront(pupil.wavefront ? pupil.wavefront
-                                        : Wavefront{.zernike_um = {}, .pupil_m = pupil.diameter_m});
-}
-
 void weigh(std::vector<LensPart>& parts, const std::vector<double>& light) {
   const double all = std::accumulate(light.begin(), light.end(), 0.0);
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -201,13 +196,18 @@ double shiftOf(double diffraction_px, double blur_px) {
 
 }  // namespace
 
+PupilWavefront wavefrontIn(const Pupil& pupil) {
+  return PupilWavefront(pupil.wavefront ? pupil.wavefront
+                                        : Wavefront{.zernike_um = {}, .pupil_m = pupil.diameter_m});
+}
+
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n) {
   std::vector<LensPart> parts;
   std::vector<double> light;
   parts.reserve(static_cast<std::size_t>(n));
   light.reserve(static_cast<std::size_t>(n));
   std::optional<PupilWavefront> wavefront;
-  if (pupil.hasParts()) wavefront = wavefrontOf(pupil);
+  if (pupil.hasParts()) wavefront = wavefrontIn(pupil);
   const auto partBy = [&](const Cell& cell, float diffraction_px) {
     LensPart part = wavefront ? partOf(defocus, pupil, *wavefront, cell)
                               : LensPart{.centre = cell.centre,
@@ -247,7 +247,7 @@ std::vector<LensPart> lensPoints(const Defocus& defocus, const Pupil& pupil,
   parts.reserve(points.size());
   light.reserve(points.size());
   std::optional<PupilWavefront> wavefront;
-  if (pupil.hasParts()) wavefront = wavefrontOf(pupil);
+  if (pupil.hasParts()) wavefront = wavefrontIn(pupil);
   for (const glm::vec2& p : points) {
     LensPart part{.centre = p, .radius = 0.0f, .defocus = defocus};
     if (wavefront) {
@@ -263,7 +263,7 @@ std::vector<LensPart> lensPoints(const Defocus& defocus, const Pupil& pupil,
 
 float aberrationRadius_px(const Defocus& defocus, const Pupil& pupil) {
   if (!pupil.wavefront) return 0.0f;
-  const SlopeFit fit = fitSlope(pupil, wavefrontOf(pupil), cells(1).front());
+  const SlopeFit fit = fitSlope(pupil, wavefrontIn(pupil), cells(1).front());
   const glm::dvec2 focal_px = glm::dvec2(defocus.radius_px_per_D) / (0.5 * pupil.diameter_m);
   return static_cast<float>(2.0 * std::sqrt(fit.variance_rad2 * focal_px.x * focal_px.y));
 }

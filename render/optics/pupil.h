@@ -87,6 +87,9 @@ struct Pupil {
   bool operator==(const Pupil&) const = default;
 };
 
+/// The wavefront in a pupil; a plane one if it has none.
+PupilWavefront wavefrontIn(const Pupil& pupil);
+
 /// A displacement of this root mean square along an axis adds 1/100 to the variance of the
 /// prefilter and 0.5 % to its width. That is below the change of blur that an observer sees, about
 /// a tenth (Watson and Ahumada, Blur clarified, Journal of Vision 11(5), 2011). Parts of 0.2 px,

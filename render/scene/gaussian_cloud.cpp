@@ -136,8 +136,7 @@ void transform(GaussianCloud& cloud, const glm::mat3& linear, const glm::vec3& o
     cloud.position_m[i] = linear * cloud.position_m[i] + offset;
     if (moves_only) return;
     Covariance3& v = cloud.covariance_m2[i];
-    const glm::mat3 matrix(v.xx, v.xy, v.xz, v.xy, v.yy, v.yz, v.xz, v.yz, v.zz);
-    v = halfOf(linear * matrix * glm::transpose(linear));
+    v = halfOf(linear * matrixOf(v) * glm::transpose(linear));
     if (harmonics) harmonics->turn(cloud.harmonics.data() + i * each, cloud.degree);
   });
 }

@@ -18,6 +18,11 @@ struct Covariance3 {
   bool operator==(const Covariance3&) const = default;
 };
 
+inline glm::mat3 matrixOf(const Covariance3& v) {
+  return {v.xx, v.xy, v.xz, v.xy, v.yy, v.yz, v.xz, v.yz, v.zz};
+}
+inline float traceOf(const Covariance3& v) { return v.xx + v.yy + v.zz; }
+
 /// Largest degree of the spherical harmonics.
 inline constexpr int kMaxHarmonicsDegree = 3;
 

@@ -42,16 +42,11 @@ struct Covariance2 {
   float determinant() const { return std::max(xx * yy - xy * xy, 0.0f); }
 };
 
-Covariance2 across(const Covariance3& s, const Across& d) {
-  const auto times = [&](const glm::vec3& v) {
-    return glm::vec3(s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
-                     s.xz * v.x + s.yz * v.y + s.zz * v.z);
-  };
-  const glm::vec3 su = times(d.u);
-  return {glm::dot(d.u, su), glm::dot(d.v, su), glm::dot(d.v, times(d.v))};
+Covariance2 across(const Covariance3& covariance, const Across& d) {
+  const glm::mat3 s = matrixOf(covariance);
+  const glm::vec3 su = s * d.u;
+  return {glm::dot(d.u, su), glm::dot(d.v, su), glm::dot(d.v, s * d.v)};
 }
-
-float traceOf(const Covariance3& v) { return v.xx + v.yy + v.zz; }
 
 /// Area that two Gaussians cover together.
 double coveredBy(const GaussianMoments& a, const GaussianMoments& b) {

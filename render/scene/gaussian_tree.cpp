@@ -102,8 +102,7 @@ GaussianCloud withTree(GaussianCloud cloud) {
   {
     std::vector<Item> items(n);
     parallelFor(n, [&](std::size_t i) {
-      const Covariance3& v = cloud.covariance_m2[i];
-      items[i] = {glm::vec4(cloud.position_m[i], std::sqrt(v.xx + v.yy + v.zz)),
+      items[i] = {glm::vec4(cloud.position_m[i], std::sqrt(traceOf(cloud.covariance_m2[i]))),
                   static_cast<std::uint32_t>(i)};
     });
     sortIntoTree(items, tree->levels);

@@ -11,6 +11,7 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "base/transformed.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -253,9 +254,7 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m,
   found.index.resize(position_m.size() * wanted);
   found.reach_m.resize(position_m.size());
   parallelFor(members.size(), [&](std::size_t m) {
-    std::vector<glm::vec3> some_m;
-    some_m.reserve(members[m].size());
-    for (const std::uint32_t i : members[m]) some_m.push_back(position_m[i]);
+    const auto some_m = transformed(members[m], [&](std::uint32_t i) { return position_m[i]; });
     const Neighbours among = findNeighbours(some_m, wanted);
     for (std::size_t n = 0; n < some_m.size(); ++n) {
       const std::size_t i = members[m][n];

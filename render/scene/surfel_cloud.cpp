@@ -1,6 +1,7 @@
 #include "render/scene/surfel_cloud.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "render/scene/gaussian_cloud.h"
@@ -10,6 +11,11 @@ namespace foci {
 std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud) {
   if (cloud.gaussians) return cloud.gaussians->position_m;
   return cloud.position_m;
+}
+
+float largestSigma(const SurfelCloud& cloud, std::size_t i) {
+  if (cloud.gaussians) return std::sqrt(traceOf(cloud.gaussians->covariance_m2[i]));
+  return std::max(glm::length(cloud.axis_u_m[i]), glm::length(cloud.axis_v_m[i]));
 }
 
 std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places) {

@@ -106,6 +106,9 @@ struct SurfelCloud {
 /// Positions of all surfels, or of all Gaussians.
 std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud);
 
+/// Standard deviation of a surfel's basis along its longer axis; of a Gaussian, an upper bound.
+float largestSigma(const SurfelCloud& cloud, std::size_t i);
+
 /// The least and the greatest coordinates of places, not empty.
 std::pair<glm::vec3, glm::vec3> boxOf(std::span<const glm::vec3> places);
 

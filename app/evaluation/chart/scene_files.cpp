@@ -74,8 +74,7 @@ std::string gaussianPly(const GaussianCloud& cloud) {
         appendRaw(bytes, kHarmonicsStep * static_cast<float>(of[k]));
       }
     }
-    const Covariance3& v = cloud.covariance_m2[i];
-    const PrincipalAxes all = principalAxes({v.xx, v.xy, v.xz, v.xy, v.yy, v.yz, v.xz, v.yz, v.zz});
+    const PrincipalAxes all = principalAxes(matrixOf(cloud.covariance_m2[i]));
     appendShape(bytes, cloud.opacity[i], all.axes,
                 glm::sqrt(glm::max(all.variance, glm::dvec3(0.0))));
   }

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/evaluation/evaluation_choice.h"
-#include "app/evaluation/growth/growth_fit.h"
 #include "render/methods/quality_level.h"
 
 namespace foci {
@@ -53,6 +53,29 @@ inline std::size_t stepsOf(const GrowthPlan& plan) { return plan.points.size(); 
 /// @param memory_GB  that scenes may take
 /// @throws InputError if that is too little
 GrowthPlan planGrowth(bool quick, int width_px, double memory_GB, unsigned threads);
+
+/// Slopes of log cost over log size.
+struct GrowthFit {
+  struct Bend {
+    double at, before, after;
+  };
+  double exponent = 0.0;  ///< of the line through all points
+  std::optional<Bend> bend = {};
+};
+
+/// Lines by least squares. The bend is the inner point where two lines meet that fit best, if there
+/// are at least four points and the slopes differ by more than kMinBend.
+/// @param curve  (size, cost) by size, costs > 0; points of size 0 are left out. At least two sizes
+///               are left (asserted)
+GrowthFit fitGrowth(const std::vector<glm::dvec2>& curve);
+inline constexpr double kMinBend = 0.25;  // noise bends lines by 0.1 to 0.2
+
+/// "0.45; 0.91 up to 3.1, then 0.04". @param unit  of the size in the text
+std::string growthText(const GrowthFit& fit, double unit);
+
+/// The cost at a size, on lines through neighbours in log cost over log size, and beyond the ends.
+/// @param curve  as above, without size 0
+double costAt(const std::vector<glm::dvec2>& curve, double size);
 
 /// A method while one size grows.
 struct GrowthCurve {

@@ -13,6 +13,7 @@
 #include "app/platform/output_files.h"
 #include "base/rows.h"
 #include "base/text.h"
+#include "base/transformed.h"
 #include "render/image/metrics.h"
 
 namespace foci {
@@ -133,9 +134,7 @@ std::string dialText(float value) { return printed("%g", static_cast<double>(val
 
 std::vector<std::string> scoredIn(const StabilityPlan& plan, const StabilityScene& scene) {
   if (scene.observe) return scene.observers;
-  std::vector<std::string> names;
-  for (const EvaluatedMethod& method : plan.methods) names.push_back(method.spec());
-  return names;
+  return transformed(plan.methods, &EvaluatedMethod::spec);
 }
 
 std::string stabilityImage(const std::string& scene, float value, const EvaluatedMethod& method) {

@@ -43,8 +43,7 @@ float sizeInSpacings(const GaussianCloud& cloud) {
   if (!(area > 0.0f)) return 0.0f;
   values.clear();
   for (std::size_t i = 0; i < cloud.size(); i += step) {
-    const Covariance3& v = cloud.covariance_m2[i];
-    values.push_back(std::sqrt((v.xx + v.yy + v.zz) / 3.0f));
+    values.push_back(std::sqrt(traceOf(cloud.covariance_m2[i]) / 3.0f));
   }
   return quantile(values, 0.5) / std::sqrt(area / static_cast<float>(cloud.size()));
 }

@@ -22,9 +22,7 @@ glm::vec3 unitNormal(const glm::dvec3& normal) {
 }
 
 bool isNearEnough(const glm::dvec3& p) {
-  const double farthest = kFarthest_m;
-  return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&
-         std::abs(p.z) <= farthest;  // false for NaN
+  return glm::all(glm::lessThanEqual(glm::abs(p), glm::dvec3(kFarthest_m)));  // false for NaN
 }
 
 glm::dvec3 originNear(const glm::dvec3& p) {

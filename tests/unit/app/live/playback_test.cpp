@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/live/opened_file.h"
 #include "app/live/record.h"
 #include "app/live/remote_control.h"
 #include "app/live/renderer.h"
+#include "app/live/sources.h"
 #include "app/live/words.h"
 #include "app/replay/replay.h"
 #include "base/input_error.h"
