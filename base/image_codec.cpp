@@ -16,7 +16,6 @@
 
 #include "base/input_error.h"
 #include "base/mapped_file.h"
-#include "base/targa.h"
 
 #ifdef FOCI_COMPRESSION
 #include <turbojpeg.h>

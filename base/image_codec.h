@@ -34,10 +34,16 @@ struct DecodedImage {
   std::size_t total() const { return static_cast<std::size_t>(columns) * rows; }
 };
 
-/// Decodes a PNG (16 bits are rounded to 8, gamma and colour profile do not count), a Targa
-/// (targa.h), a JPEG or a WebP. The last two only where foci was built with them.
+/// Decodes a PNG (16 bits are rounded to 8, gamma and colour profile do not count), a Targa, a
+/// JPEG or a WebP. The last two only where foci was built with them.
 /// @return nothing for another format, broken bytes, or an image of more than `max_pixels`
 std::optional<DecodedImage> decodeImage(std::span<const unsigned char> bytes,
+                                        std::uint64_t max_pixels = kMaxImagePixels);
+
+/// Decodes a Truevision TGA (version 2.0, 1991): grey, RGB or palette pixels, packed by run lengths
+/// or not. Alpha counts only where the header states its bits. The format has no first bytes of its
+/// own: a header that it does not allow, or data that end early, are no Targa.
+std::optional<DecodedImage> decodeTarga(std::span<const unsigned char> bytes,
                                         std::uint64_t max_pixels = kMaxImagePixels);
 
 /// A PNG file of 8 bits a channel.

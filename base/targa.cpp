@@ -1,4 +1,5 @@
-#include "base/targa.h"
+// Truevision TGA (Targa) images in memory.
+#include "base/image_codec.h"
 
 #include <algorithm>
 #include <array>

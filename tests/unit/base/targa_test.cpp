@@ -1,4 +1,4 @@
-#include "base/targa.h"
+#include "base/image_codec.h"
 
 #include <gtest/gtest.h>
 
