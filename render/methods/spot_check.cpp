@@ -116,8 +116,7 @@ Cut SpotCheck::cutOf(const View& view) const {
   const float margin_px = blur_px_ + 1.0f, focal_px = std::max(view.focal_px.x, view.focal_px.y);
   const auto add = [&](const CutEntry& entry) {
     const glm::vec3 p(view.eye_from_world * glm::vec4(surfels.position_m[entry.index], 1.0f));
-    const float sigma_m = std::max(glm::length(surfels.axis_u_m[entry.index]),
-                                   glm::length(surfels.axis_v_m[entry.index]));
+    const float sigma_m = largestSigma(surfels, entry.index);
     const float distance_m = std::max(-p.z - 2.0f * kWidestReach * sigma_m, view.near_m);
     const float reach_px = margin_px + kWidestReach * (2.0f + focal_px * sigma_m / distance_m);
     const glm::vec2 at = project(view, p), size(view.size_px);
