@@ -10,11 +10,15 @@
 namespace foci {
 
 /// Whether the observer fixates now. Otherwise (saccade, blink, data loss) the ring is broken.
-bool isFixating(const FrameRecord& record);
+inline bool isFixating(const FrameRecord& record) { return isStable(record.eye.state); }
 
 /// Draws a ring for each view of the image.
 /// @param points_px  `Session::gazePoints_px`
-void drawGazeMarkers(const std::vector<glm::dvec2>& points_px, const FrameRecord& record,
-                     Image& image);
+inline void drawGazeMarkers(const std::vector<glm::dvec2>& points_px, const FrameRecord& record,
+                            Image& image) {
+  for (const glm::dvec2& point_px : points_px) {
+    drawMarker(image, point_px, !isFixating(record));
+  }
+}
 
 }  // namespace foci

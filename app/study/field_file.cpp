@@ -1,4 +1,4 @@
-#include "app/study/field_file.h"
+#include "app/study/eye_tables.h"
 
 #include <optional>
 #include <string>

@@ -5,10 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/study/field_file.h"
+#include "app/study/eye_tables.h"
 #include "app/study/inputs.h"
-#include "app/study/spectra_file.h"
-#include "app/study/wavefront_file.h"
 #include "base/input_error.h"
 #include "render/methods/method.h"
 #include "render/optics/wavefront.h"

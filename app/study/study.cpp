@@ -1,7 +1,7 @@
 // Reads the file of a study, and checks what several keys decide together.
 
 #include "app/study/study.h"
-#include "app/study/field_file.h"
+#include "app/study/eye_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,8 @@
 
 #include "app/study/gaze_calibration.h"
 #include "app/study/recorded_head.h"
-#include "app/study/spectra_file.h"
 #include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
-#include "app/study/wavefront_file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/camera/camera.h"

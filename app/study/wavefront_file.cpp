@@ -1,4 +1,4 @@
-#include "app/study/wavefront_file.h"
+#include "app/study/eye_tables.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,6 +1,5 @@
 // Tables of labels, of targets and of Zernike coefficients.
-#include "app/study/spectra_file.h"
-#include "app/study/wavefront_file.h"
+#include "app/study/eye_tables.h"
 #include "calibration/binocular/fit_binocular.h"
 #include "calibration/gaze_map/map_units.h"
 #include "calibration/webcam/webcam_calibration.h"

@@ -1,5 +1,5 @@
 // Tables of aberrations over the visual field: what is read, and what is refused.
-#include "app/study/field_file.h"
+#include "app/study/eye_tables.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tables of a display's spectra: what is read, and what is refused.
-#include "app/study/spectra_file.h"
+#include "app/study/eye_tables.h"
 
 #include <gtest/gtest.h>
 

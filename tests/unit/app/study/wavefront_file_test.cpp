@@ -1,5 +1,5 @@
 // Tables of aberrometers: the same eye in every layout, and what is refused.
-#include "app/study/wavefront_file.h"
+#include "app/study/eye_tables.h"
 
 #include <gtest/gtest.h>
 
