@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,7 +19,8 @@ using Rgba = std::array<std::uint8_t, 4>;
 enum Kind { palette = 1, rgb = 2, grey = 3 };
 constexpr int kPacked = 8;  // added to a kind
 constexpr std::size_t kHeader = 18, kMostOfPacket = 128;
-constexpr int kAlphaBits = 0x0f, kFromRight = 0x10, kFromTop = 0x20;  // of the descriptor
+constexpr int kAlphaBits = 0x0f, kFromRight = 0x10, kFromTop = 0x20,
+              kInterleaved = 0x40;  // of the descriptor
 
 std::size_t wordAt(Bytes bytes, std::size_t at) { return bytes[at] | bytes[at + 1] << 8; }
 
@@ -32,6 +36,19 @@ Rgba colorOf(Bytes from, int alpha_bits) {
   }
   const bool has_alpha = from.size() == 4 && alpha_bits == 8;
   return {from[2], from[1], from[0], has_alpha ? from[3] : std::uint8_t{255}};
+}
+
+/// What the file's extension says of its alpha, if it has one: 3 where it counts, 4 where colours
+/// are multiplied by it, less where it says nothing.
+std::optional<int> statedAlpha(Bytes bytes) {
+  constexpr std::string_view kSignature("TRUEVISION-XFILE.\0", 18);
+  constexpr std::size_t kFooter = 26, kAlphaType = 494;
+  if (bytes.size() < kFooter) return std::nullopt;
+  const Bytes footer = bytes.last(kFooter);
+  if (!std::ranges::equal(footer.subspan(8), kSignature)) return std::nullopt;
+  const std::size_t extension = wordAt(footer, 0) | wordAt(footer, 2) << 16;
+  if (extension == 0 || extension + kAlphaType >= bytes.size()) return std::nullopt;
+  return bytes[extension + kAlphaType];
 }
 
 /// Calls `take(value)` for `count` stored values of `size` bytes, until it returns false.
@@ -61,25 +78,29 @@ bool forEachValue(Bytes data, bool packed, std::size_t size, std::size_t count, 
 }  // namespace
 
 std::optional<DecodedImage> decodeTarga(Bytes bytes, std::uint64_t max_pixels) {
-  if (bytes.size() < kHeader || bytes[1] > 1) return std::nullopt;
+  const int alpha = statedAlpha(bytes).value_or(3);
+  if (bytes.size() < kHeader || bytes[1] > 1 || alpha == 4) return std::nullopt;
   const int kind = bytes[2] & ~kPacked, bits = bytes[16], descriptor = bytes[17];
   const bool has_palette = bytes[1] == 1, is_grey = kind == grey || kind == palette;
   const auto isColor = [](int of) { return of == 15 || of == 16 || of == 24 || of == 32; };
-  if (kind < palette || kind > grey || (kind == palette) > has_palette ||
-      (has_palette && !isColor(bytes[7])) || !(is_grey ? bits == 8 : isColor(bits))) {
+  if (kind < palette || kind > grey || descriptor >= kInterleaved ||
+      (kind == palette) > has_palette || (has_palette && !isColor(bytes[7])) ||
+      !(is_grey ? bits == 8 : isColor(bits))) {
     return std::nullopt;
   }
   DecodedImage image{.columns = static_cast<int>(wordAt(bytes, 12)),
                      .rows = static_cast<int>(wordAt(bytes, 14))};
   const std::size_t first_color = wordAt(bytes, 3), colors = has_palette ? wordAt(bytes, 5) : 0,
                     begin = std::min(bytes.size(), kHeader + bytes[0]);
-  const std::size_t pixels = image.total();
-  if (pixels == 0 || pixels > std::min<std::uint64_t>(max_pixels, kMostOfPacket * bytes.size())) {
+  const bool packed = (bytes[2] & kPacked) != 0;
+  const std::size_t pixels = image.total(), most = (packed ? kMostOfPacket : 1) * bytes.size();
+  if (pixels == 0 || pixels > std::min<std::uint64_t>(max_pixels, most)) {
     return std::nullopt;
   }
+  const int alpha_bits = alpha == 3 ? descriptor & kAlphaBits : 0;
   std::vector<Rgba> palette_colors;
   const std::size_t color_size = (bytes[7] + 7u) / 8;
-  const auto color = [&](Bytes value) { return colorOf(value, descriptor & kAlphaBits); };
+  const auto color = [&](Bytes value) { return colorOf(value, alpha_bits); };
   const auto addColor = [&](Bytes value) {
     palette_colors.push_back(color(value));
     return true;
@@ -100,8 +121,8 @@ std::optional<DecodedImage> decodeTarga(Bytes bytes, std::uint64_t max_pixels) {
     ++i;
     return true;
   };
-  const bool whole = forEachValue(bytes.subspan(begin + colors * color_size),
-                                  (bytes[2] & kPacked) != 0, (bits + 7u) / 8, pixels, addPixel);
+  const bool whole = forEachValue(bytes.subspan(begin + colors * color_size), packed,
+                                  (bits + 7u) / 8, pixels, addPixel);
   return whole ? std::optional(std::move(image)) : std::nullopt;
 }
 

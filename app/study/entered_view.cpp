@@ -20,7 +20,7 @@ constexpr int kMostCells = 400, kMostLayers = 200;  // across, and in height
 constexpr std::size_t kMostPlaces = 5000;           // that are looked at
 constexpr double kHead_m = 2.0, kKnee_m = 0.7;      // a body is free between them
 constexpr double kElbows_m = 0.6;                   // and this far aside
-constexpr double kCoarsest_m = 0.5 * kElbows_m;     // distance of points that tell where it fits
+constexpr double kCoarsest_m = 0.5 * kElbows_m;     // between points that tell where a body fits
 constexpr double kStep_m = 0.4;                     // the highest that one stands on
 constexpr int kTurns = 32;                          // directions around
 constexpr std::array kTilts_deg = {-20.0, -10.0, 0.0, 10.0};

@@ -16,6 +16,7 @@
 #include "gaze/sources/trace_reader.h"
 #include "render/lod/moment_tree.h"
 #include "render/optics/view.h"
+#include "render/scene/gaussian_tree.h"
 #include "render/scene/io/mesh_files.h"
 #include "render/scene/joined_scene.h"
 
@@ -208,6 +209,16 @@ SurfelCloud builtinScene(const Study& study) {
   return study.scene.builtin == "plane" ? makePlane() : makeGallery();
 }
 
+/// The scene in the order of its tree, which all methods and the gaze's distance then share.
+SurfelCloud sorted(SurfelCloud scene) {
+  if (!scene.gaussians) return withTree(std::move(scene));
+  if (scene.gaussians->tree) return scene;
+  GaussianCloud cloud = *scene.gaussians;
+  scene.gaussians.reset();  // the unsorted scene takes as much memory as the sorted one
+  scene.gaussians = std::make_shared<const GaussianCloud>(withTree(std::move(cloud)));
+  return scene;
+}
+
 }  // namespace
 
 SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> scene) {
@@ -218,7 +229,7 @@ SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<Scen
     warnings.addAll(study.file.string(), viewRemarks(study, cloud));
   }
   warnings.add(study.file.string(), memoryRemark(study, cloud));
-  return withTree(std::move(cloud));  // which all methods and the gaze's distance share
+  return sorted(std::move(cloud));
 }
 
 namespace {

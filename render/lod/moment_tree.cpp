@@ -9,7 +9,6 @@
 #include <type_traits>
 
 #include "base/parallel.h"
-#include "render/scene/gaussian_tree.h"
 
 namespace foci {
 namespace {
@@ -259,15 +258,7 @@ std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud) {
 }
 
 SurfelCloud withTree(SurfelCloud cloud) {
-  if (cloud.gaussians ? cloud.gaussians->tree != nullptr : builtTree(cloud) != nullptr) {
-    return cloud;
-  }
-  if (cloud.gaussians) {
-    GaussianCloud gaussians = *cloud.gaussians;
-    cloud.gaussians.reset();  // unsorted, they take as much memory as sorted ones
-    cloud.gaussians = std::make_shared<const GaussianCloud>(withTree(std::move(gaussians)));
-    return cloud;
-  }
+  if (builtTree(cloud)) return cloud;
   SurfelCloud sorted = surfelsOf(std::make_shared<const MomentTree>(cloud));
   sorted.mesh = std::move(cloud.mesh);
   return sorted;

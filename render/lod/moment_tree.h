@@ -157,8 +157,7 @@ SurfelCloud surfelsOf(std::shared_ptr<const MomentTree> tree);
 /// it points to lives as long as the cloud.
 std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud);
 
-/// The cloud in the order of its tree, with the tree: of its surfels, or of its Gaussians. The cloud
-/// itself where it has one.
+/// The cloud in the order of its tree, with the tree. The cloud itself where it has one.
 SurfelCloud withTree(SurfelCloud cloud);
 
 /// The cloud's tree, or a new one.

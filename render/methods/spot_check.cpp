@@ -24,8 +24,8 @@ constexpr std::size_t kSquares = 144;
 constexpr std::size_t kOneInSquares = 4;
 
 /// As where the variance falls with the cube of the number of views. On 14 frames of 5 scenes at 3
-/// to 25 px, what halves tell was then .69 to 1.54 of the error against 600 views, 1.03 in the
-/// middle; without a bound .42 to 1.54, and .82.
+/// to 25 px, the estimate from halves is .69 to 1.54 times the error against 600 views (median
+/// 1.03); without this bound .42 to 1.54 times (median .82).
 constexpr float kLargestFall = 8.0f;
 
 /// A level of a square takes about as long as this many views of it.
@@ -195,8 +195,8 @@ void SpotCheck::compareViews(Square& square) const {
 /// D, root mean square, have a mean with V(2 n) = V(n) - D^2 / 4. Here D is known for halves and
 /// for quarters. Where V falls by the same factor c from quarters to halves and from halves to all
 /// views, c is the ratio of both D^2, and V of all views D^2 / (4 (c - 1)). Independent views have
-/// c = 2, and none err more alike. Quarters lie on two arms of the sunflower and err more than so
-/// few views need to: c is at most kLargestFall.
+/// c = 2, and none err more alike. Quarters lie on two arms of the sunflower, so their error is
+/// larger than that of as many evenly spread views: c is at most kLargestFall.
 float SpotCheck::noiseOfHalves() const {
   float halves2 = 0.0f, quarters2 = 0.0f;
   for (const Square& square : squares_) {

@@ -270,7 +270,7 @@ Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
         on_steps(1 + scene.methods.size() * (1 + plan.threads.size()));
       } else {
         if (!seen) seen = scene.make();
-        if (!shared) shared = withTree(seen->cloud);
+        if (!shared) shared = scene.gaussians ? seen->cloud : withTree(seen->cloud);
         group.measure(*seen, *shared);
       }
       group.addTo(result);

@@ -39,7 +39,7 @@ constexpr int kWarmUp = 8;                // frames, in which `auto` learns how 
 struct MotionScene {
   MotionScene(const ChartScene& scene, const MotionPlan& plan)
       : seen(scene.make()),
-        shared(withTree(seen.cloud)),
+        shared(scene.gaussians ? seen.cloud : withTree(seen.cloud)),
         aperture_m(plan.blur_px / seen.largestBlurThrough_px(1.0)),
         exact(makeMethod("accumulate:" + std::to_string(plan.views), seen.cloud)) {}  // no nodes
 

@@ -20,7 +20,7 @@
 #include "base/rows.h"
 #include "base/text.h"
 #include "render/lod/moment_tree.h"
-#include "render/scene/gaussian_cloud.h"
+#include "render/scene/gaussian_tree.h"
 #include "render/scene/joined_scene.h"
 
 namespace foci {
@@ -75,10 +75,11 @@ struct GrownScene {
     prepared.splats = static_cast<double>(seen.cloud.size());
     if (point.gaussians) {
       SurfelCloud cloud;
-      cloud.gaussians = std::make_shared<const GaussianCloud>(gaussiansOf(seen.cloud));
+      cloud.gaussians = std::make_shared<const GaussianCloud>(withTree(gaussiansOf(seen.cloud)));
       seen.cloud = std::move(cloud);
+    } else {
+      seen.cloud = withTree(std::move(seen.cloud));
     }
-    seen.cloud = withTree(std::move(seen.cloud));
     spent.addTo(ms, cpu_ms);
     prepared.ms = ms[0];
     prepared.cpu_ms = cpu_ms[0];

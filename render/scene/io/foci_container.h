@@ -12,6 +12,7 @@
 
 #include "base/input_error.h"
 #include "base/mapped_file.h"
+#include "base/sized_file.h"
 
 namespace foci {
 
@@ -37,22 +38,6 @@ static_assert(sizeof(FociHeader) == 64);
 inline bool compare_foci_checksums = true;
 
 using ByteSpan = std::span<const unsigned char>;
-
-/// A new file of known size, written at any place by any number of threads.
-class SizedFile {
- public:
-  /// Replaces what is there. @throws std::runtime_error
-  SizedFile(const std::filesystem::path& path, std::uint64_t bytes);
-  ~SizedFile();
-  SizedFile& operator=(SizedFile&&) = delete;  // nor copied
-
-  /// @throws std::runtime_error
-  void put(std::uint64_t at, std::span<const unsigned char> bytes);
-
- private:
-  std::filesystem::path path_;
-  int file_;
-};
 
 /// @param values  contiguous
 template <typename Values>

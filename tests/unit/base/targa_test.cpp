@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <random>
+#include <span>
+#include <string_view>
 #include <vector>
 
 namespace foci {
@@ -68,6 +71,27 @@ TEST(Targa, ReadsGreyPalettesAndSixteenBits) {
                {255, 0, 0, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0, 0, 0, 255});
 }
 
+TEST(Targa, TakesAlphaAsItsExtensionSays) {
+  const Bytes bgra{3, 2, 1, 0, 6, 5, 4, 0, 9, 8, 7, 0, 12, 11, 10, 0};
+  const auto stating = [&](unsigned char alpha_type) {
+    Bytes bytes = targa(2, 32, kFromTop | 8, bgra);
+    const auto extension = static_cast<unsigned char>(bytes.size());
+    bytes.resize(bytes.size() + 495, 0);
+    bytes.back() = alpha_type;
+    const Bytes footer{extension, 0, 0, 0, 0, 0, 0, 0};
+    bytes.insert(bytes.end(), footer.begin(), footer.end());
+    for (const char c : std::string_view("TRUEVISION-XFILE.\0", 18)) {
+      bytes.push_back(static_cast<unsigned char>(c));
+    }
+    return bytes;
+  };
+  expectPixels(stating(3), {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 10, 11, 12, 0});
+  for (const unsigned char nothing : {0, 1, 2}) {
+    expectPixels(stating(nothing), {1, 2, 3, 255, 4, 5, 6, 255, 7, 8, 9, 255, 10, 11, 12, 255});
+  }
+  EXPECT_FALSE(decodeTarga(stating(4), 4));  // colours multiplied by alpha
+}
+
 TEST(Targa, RefusesOtherBytes) {
   const Bytes whole = targa(2, 24, 0, {3, 2, 1, 6, 5, 4, 9, 8, 7, 12, 11, 10});
   for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -75,6 +99,7 @@ TEST(Targa, RefusesOtherBytes) {
   }
   EXPECT_TRUE(decodeTarga(whole, 4));
   EXPECT_FALSE(decodeTarga(whole, 3));
+  EXPECT_FALSE(decodeTarga(targa(2, 24, 0x40, Bytes(16)), 4));  // interleaved
   EXPECT_FALSE(decodeTarga(targa(2, 8, 0, Bytes(16)), 4));
   EXPECT_FALSE(decodeTarga(targa(4, 24, 0, Bytes(16)), 4));
   EXPECT_FALSE(decodeTarga(targa(1, 8, 0, Bytes(16)), 4));  // no palette
