@@ -73,11 +73,11 @@ TEST(Targa, ReadsGreyPalettesAndSixteenBits) {
 
 TEST(Targa, TakesAlphaAsItsExtensionSays) {
   const Bytes bgra{3, 2, 1, 0, 6, 5, 4, 0, 9, 8, 7, 0, 12, 11, 10, 0};
-  const auto stating = [&](unsigned char alpha_type) {
+  const auto stating = [&](int alpha_type) {
     Bytes bytes = targa(2, 32, kFromTop | 8, bgra);
     const auto extension = static_cast<unsigned char>(bytes.size());
     bytes.resize(bytes.size() + 495, 0);
-    bytes.back() = alpha_type;
+    bytes.back() = static_cast<unsigned char>(alpha_type);
     const Bytes footer{extension, 0, 0, 0, 0, 0, 0, 0};
     bytes.insert(bytes.end(), footer.begin(), footer.end());
     for (const char c : std::string_view("TRUEVISION-XFILE.\0", 18)) {
@@ -86,7 +86,7 @@ TEST(Targa, TakesAlphaAsItsExtensionSays) {
     return bytes;
   };
   expectPixels(stating(3), {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 10, 11, 12, 0});
-  for (const unsigned char nothing : {0, 1, 2}) {
+  for (const int nothing : {0, 1, 2}) {
     expectPixels(stating(nothing), {1, 2, 3, 255, 4, 5, 6, 255, 7, 8, 9, 255, 10, 11, 12, 255});
   }
   EXPECT_FALSE(decodeTarga(stating(4), 4));  // colours multiplied by alpha
