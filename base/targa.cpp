@@ -17,7 +17,8 @@ using Bytes = std::span<const unsigned char>;
 using Rgba = std::array<std::uint8_t, 4>;
 
 enum Kind { palette = 1, rgb = 2, grey = 3 };
-constexpr int kPacked = 8;  // added to a kind
+constexpr int kPacked = 8;                   // added to a kind
+constexpr int kCounts = 3, kMultiplied = 4;  // types of alpha
 constexpr std::size_t kHeader = 18, kMostOfPacket = 128;
 constexpr int kAlphaBits = 0x0f, kFromRight = 0x10, kFromTop = 0x20,
               kInterleaved = 0x40;  // of the descriptor
@@ -38,16 +39,16 @@ Rgba colorOf(Bytes from, int alpha_bits) {
   return {from[2], from[1], from[0], has_alpha ? from[3] : std::uint8_t{255}};
 }
 
-/// What the file's extension says of its alpha, if it has one: 3 where it counts, 4 where colours
-/// are multiplied by it, less where it says nothing.
-std::optional<int> statedAlpha(Bytes bytes) {
+/// What an extension of the file says of its alpha: 3 where it counts, 4 where colours are
+/// multiplied by it, less where it says nothing. 3 without an extension.
+int alphaTypeOf(Bytes bytes) {
   constexpr std::string_view kSignature("TRUEVISION-XFILE.\0", 18);
   constexpr std::size_t kFooter = 26, kAlphaType = 494;
-  if (bytes.size() < kFooter) return std::nullopt;
+  if (bytes.size() < kFooter) return kCounts;
   const Bytes footer = bytes.last(kFooter);
-  if (!std::ranges::equal(footer.subspan(8), kSignature)) return std::nullopt;
+  if (!std::ranges::equal(footer.subspan(8), kSignature)) return kCounts;
   const std::size_t extension = wordAt(footer, 0) | wordAt(footer, 2) << 16;
-  if (extension == 0 || extension + kAlphaType >= bytes.size()) return std::nullopt;
+  if (extension == 0 || extension + kAlphaType >= bytes.size()) return kCounts;
   return bytes[extension + kAlphaType];
 }
 
@@ -78,8 +79,8 @@ bool forEachValue(Bytes data, bool packed, std::size_t size, std::size_t count, 
 }  // namespace
 
 std::optional<DecodedImage> decodeTarga(Bytes bytes, std::uint64_t max_pixels) {
-  const int alpha = statedAlpha(bytes).value_or(3);
-  if (bytes.size() < kHeader || bytes[1] > 1 || alpha == 4) return std::nullopt;
+  const int alpha_type = alphaTypeOf(bytes);
+  if (bytes.size() < kHeader || bytes[1] > 1 || alpha_type == kMultiplied) return std::nullopt;
   const int kind = bytes[2] & ~kPacked, bits = bytes[16], descriptor = bytes[17];
   const bool has_palette = bytes[1] == 1, is_grey = kind == grey || kind == palette;
   const auto isColor = [](int of) { return of == 15 || of == 16 || of == 24 || of == 32; };
@@ -97,7 +98,7 @@ std::optional<DecodedImage> decodeTarga(Bytes bytes, std::uint64_t max_pixels) {
   if (pixels == 0 || pixels > std::min<std::uint64_t>(max_pixels, most)) {
     return std::nullopt;
   }
-  const int alpha_bits = alpha == 3 ? descriptor & kAlphaBits : 0;
+  const int alpha_bits = alpha_type == kCounts ? descriptor & kAlphaBits : 0;
   std::vector<Rgba> palette_colors;
   const std::size_t color_size = (bytes[7] + 7u) / 8;
   const auto color = [&](Bytes value) { return colorOf(value, alpha_bits); };

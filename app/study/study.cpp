@@ -1,12 +1,12 @@
 // Reads the file of a study, and checks what several keys decide together.
 
 #include "app/study/study.h"
-#include "app/study/eye_tables.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "app/study/eye_tables.h"
 #include "app/study/gaze_calibration.h"
 #include "app/study/recorded_head.h"
 #include "app/study/study_keys.h"

@@ -3,7 +3,6 @@
 // first frame.
 
 #include "render/image/metrics.h"
-#include "base/transformed.h"
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/transformed.h"
 
 namespace foci {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
-#include "base/transformed.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -254,7 +253,7 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m,
   found.index.resize(position_m.size() * wanted);
   found.reach_m.resize(position_m.size());
   parallelFor(members.size(), [&](std::size_t m) {
-    const auto some_m = transformed(members[m], [&](std::uint32_t i) { return position_m[i]; });
+    const std::vector<glm::vec3> some_m = picked(position_m, members[m]);
     const Neighbours among = findNeighbours(some_m, wanted);
     for (std::size_t n = 0; n < some_m.size(); ++n) {
       const std::size_t i = members[m][n];

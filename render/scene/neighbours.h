@@ -44,9 +44,9 @@ std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> po
 std::vector<std::uint32_t> mortonOrder(std::span<const glm::vec3> position_m);
 
 /// `values[order[i]]` at i. An empty vector stays empty.
-template <typename T>
-std::vector<T> picked(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
-  std::vector<T> result;
+template <class Values>
+auto picked(const Values& values, std::span<const std::uint32_t> order) {
+  std::vector<typename Values::value_type> result;
   if (values.empty()) return result;
   result.reserve(order.size());
   for (const std::uint32_t i : order) result.push_back(values[i]);

@@ -69,6 +69,8 @@ TEST(BlurRadius, IsFiniteWhereThinLensIsSingular) {
   const Defocus eye = defocusOfLens(0.004, glm::vec2(2000.0f), 0.0, DistanceAlong::sight);
   EXPECT_EQ(blurRadius_px(eye, 0.0f).x, 0.0f);                          // both at infinity
   EXPECT_FLOAT_EQ(blurRadius_px(eye, 1.0f / 0.024f).x, 4.0f / 0.024f);  // U = F
+  EXPECT_TRUE(std::isinf(imageDistance_m(0.024, 0.024)));
+  EXPECT_DOUBLE_EQ(imageDistance_m(0.024, std::numeric_limits<double>::infinity()), 0.024);
 }
 
 TEST(BlurRadius, OnScreenIgnoresTheRetinaButOnTheRetinaGrowsWithIt) {
