@@ -29,10 +29,10 @@ int main(int argc, char** argv) try {
   foci::registerMethod({{"grey", "sweep without colour", "this program", foci::MethodFamily::own},
                         foci::makeAs<Grey>});
   for (const foci::MethodInfo& method : foci::methods()) std::cout << method.name << '\n';
-  const foci::OpenedScene scene = foci::openScene(argv[1], 1.0, glm::vec3(0, 0, 2));
+  const foci::Scene scene = foci::openScene(argv[1], 1.0, glm::vec3(0, 0, 2)).scene;
   const glm::mat4 eye = foci::eyeFromWorld({0, 0, 2}, {0, 0, 0}, {0, 1, 0});
   foci::Frame frame;
-  foci::makeMethod("grey", scene.cloud)->render(foci::viewOfCamera(eye, {64, 48}, 0.7), {}, frame);
+  foci::makeMethod("grey", scene)->render(foci::viewOfCamera(eye, {64, 48}, 0.7), {}, frame);
   foci::writeImage(argv[2], frame);
 } catch (const std::exception& error) {
   std::cerr << error.what() << "\n";

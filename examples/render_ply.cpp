@@ -21,7 +21,7 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const glm::vec3 eye_m{0.0f, 0.0f, 2.0f};
-  const foci::OpenedScene scene = foci::openScene(argv[1], 1.0, eye_m);
+  const foci::Scene scene = foci::openScene(argv[1], 1.0, eye_m).scene;
   const glm::mat4 eye_from_world =
       foci::eyeFromWorld(eye_m, glm::vec3{0.0f}, glm::vec3{0.0f, 1.0f, 0.0f});
   const foci::View view = foci::viewOfCamera(eye_from_world, {640, 480}, glm::radians(40.0));
@@ -30,10 +30,10 @@ int main(int argc, char** argv) try {
       foci::defocusOfLens(0.004, view.focal_px, 1.0 / focus_m, foci::DistanceAlong::sight);
 
   foci::Frame frame;
-  const auto method = foci::makeMethod("auto", scene.cloud);
+  const auto method = foci::makeMethod("auto", scene);
   const foci::RenderStats stats = method->render(view, settings, frame);
   foci::writeImage(argv[3], frame);
-  std::cout << scene.cloud.size() << " surfels, " << stats.ms << " ms\n";
+  std::cout << scene.position_m().size() << " surfels, " << stats.ms << " ms\n";
 } catch (const std::exception& error) {
   std::cerr << error.what() << "\n";
   return 1;

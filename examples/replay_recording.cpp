@@ -15,10 +15,10 @@ int main(int argc, char** argv) try {
   settings.observer.pupil_mm = 6.0;
   settings.path = foci::EyePath({{.position_m = {0, 0, 0}, .look_at_m = {0, 0, -1}, .up = {}}});
   settings.output.size_px = {640, 360};
-  const foci::SurfelCloud cloud = foci::openScene(argv[1], 1.0, glm::vec3(0.0f)).cloud;
+  const foci::Scene scene = foci::openScene(argv[1], 1.0, glm::vec3(0.0f)).scene;
   const foci::GazeTrace trace = foci::readTrace(argv[2], {}, settings.screen);
   const double start_s = trace.samples.front().time_s, end_s = trace.samples.back().time_s;
-  foci::Session session(settings, cloud, *trace.screen, trace.rate_Hz, start_s);
+  foci::Session session(settings, scene, *trace.screen, trace.rate_Hz, start_s);
 
   std::filesystem::create_directories(argv[3]);
   auto sample = trace.samples.begin();

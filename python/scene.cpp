@@ -34,18 +34,19 @@ std::vector<glm::vec3> vectorsOf(const char* argument, const Numbers& array, py:
   return vectors;
 }
 
-std::shared_ptr<Scene> openFile(const std::filesystem::path& path, double scale_m,
-                                const std::optional<glm::vec3>& viewpoint_m) {
+std::shared_ptr<PythonScene> openFile(const std::filesystem::path& path, double scale_m,
+                                      const std::optional<glm::vec3>& viewpoint_m) {
   inRange("scale_m", scale_m, 1e-9, 1e9);
   const py::gil_scoped_release released;
   requireRegularFile(path);
   endOnLostPagesUnlessHandled();
-  return std::make_shared<Scene>(openScene(path, scale_m, viewpoint_m));
+  return std::make_shared<PythonScene>(openScene(path, scale_m, viewpoint_m));
 }
 
-std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional<Numbers>& color,
-                                  const std::optional<Numbers>& normal,
-                                  const std::optional<Numbers>& radius_m) {
+std::shared_ptr<PythonScene> fromPoints(const Numbers& position_m,
+                                        const std::optional<Numbers>& color,
+                                        const std::optional<Numbers>& normal,
+                                        const std::optional<Numbers>& radius_m) {
   PointCloud points;
   points.position_m = vectorsOf("position_m", position_m, -1, kFarthest_m);
   if (points.position_m.empty()) throw InputError("position_m", "has no points");
@@ -70,10 +71,11 @@ std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional
     }
   }
   const py::gil_scoped_release released;
-  return std::make_shared<Scene>(OpenedScene{.cloud = surfelsFromPoints(std::move(points))});
+  return std::make_shared<PythonScene>(
+      OpenedScene{.scene = {surfelsFromPoints(std::move(points))}});
 }
 
-EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
+EyeImage render(PythonScene& scene, const StillEye& eye, const Screen& screen,
                 const std::optional<double>& focus_m, const std::optional<glm::dvec2>& gaze_px,
                 const std::optional<glm::ivec2>& size_px, const std::string& method,
                 const glm::dvec3& background, double shading, double tolerance, bool depth) {
@@ -98,14 +100,15 @@ EyeImage render(Scene& scene, const StillEye& eye, const Screen& screen,
     study.eye.position_m = eye.position_m;
     study.eye.look_at_m = eye.look_at_m;
     study.eye.up = eye.up;
-    for (const std::string& remark : viewRemarks(study, scene.cloud())) warn(remark);
+    for (const std::string& remark : viewRemarks(study, scene.scene())) warn(remark);
   }
   return image;
 }
 
 }  // namespace
 
-Scene::Scene(OpenedScene&& opened) : opened_(std::move(opened)), renderer_(opened_.cloud) {}
+PythonScene::PythonScene(OpenedScene&& opened)
+    : opened_(std::move(opened)), renderer_(opened_.scene) {}
 
 void renderInto(FrameRenderer& renderer, const RenderRequest& request,
                 const std::shared_ptr<RenderedFrame>& frame, FrameRecord& record) {
@@ -115,7 +118,8 @@ void renderInto(FrameRenderer& renderer, const RenderRequest& request,
   record.rendered = true;
 }
 
-EyeImage Scene::render(const SessionSettings& settings, const glm::dvec2& gaze_px, bool depth) {
+EyeImage PythonScene::render(const SessionSettings& settings, const glm::dvec2& gaze_px,
+                             bool depth) {
   const std::lock_guard lock(mutex_);
   SessionSettings looking = settings;
   looking.method = kLookingMethod;
@@ -123,7 +127,7 @@ EyeImage Scene::render(const SessionSettings& settings, const glm::dvec2& gaze_p
     looking_->changeSettings(looking);
   } else {
     constexpr double kRate_Hz = 1000.0;  // of no samples
-    looking_.emplace(looking, opened_.cloud, settings.screen, kRate_Hz, 0.0);
+    looking_.emplace(looking, opened_.scene, settings.screen, kRate_Hz, 0.0);
   }
   FrameRecord record = looking_->lookSettled(0.0, gaze_px);
   RenderRequest request = looking_->requestOf(settings.method, record);
@@ -134,7 +138,7 @@ EyeImage Scene::render(const SessionSettings& settings, const glm::dvec2& gaze_p
 }
 
 void bindScene(py::module_& module) {
-  py::class_<Scene, std::shared_ptr<Scene>>(
+  py::class_<PythonScene, std::shared_ptr<PythonScene>>(
       module, "Scene", "Surfels in metres, right-handed, y up. Open a file, or pass points.")
       .def_static("open", &openFile, py::arg("path"), py::arg("scale_m") = 1.0,
                   py::arg("viewpoint_m") = py::none(),
@@ -148,15 +152,15 @@ void bindScene(py::module_& module) {
                   "(N, 3), any\nlength; None: estimated. radius_m: (N,), of discs that close the "
                   "gaps; None: estimated.")
       .def_property_readonly(
-          "bounds_m", [](const Scene& s) { return boxOf(positionsOf(s.cloud())); },
+          "bounds_m", [](const PythonScene& s) { return boxOf(s.scene().position_m()); },
           "((x, y, z), (x, y, z)): the lowest and the highest coordinates.")
       .def_property_readonly(
-          "remarks", [](const Scene& s) { return s.opened().remarks; },
+          "remarks", [](const PythonScene& s) { return s.opened().remarks; },
           "What is worth knowing about the file, a sentence each.")
-      .def("__len__", [](const Scene& s) { return positionsOf(s.cloud()).size(); })
-      .def("__repr__", [](const Scene& s) {
-        return "<foci.Scene of " + std::to_string(positionsOf(s.cloud()).size()) +
-               (s.cloud().gaussians ? " Gaussians>" : " surfels>");
+      .def("__len__", [](const PythonScene& s) { return s.scene().position_m().size(); })
+      .def("__repr__", [](const PythonScene& s) {
+        return "<foci.Scene of " + std::to_string(s.scene().position_m().size()) +
+               (s.scene().gaussians() ? " Gaussians>" : " surfels>");
       });
 
   module.def(

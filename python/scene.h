@@ -38,11 +38,11 @@ struct EyeImage {
 };
 
 /// Not copied: sessions and images keep it alive.
-class Scene {
+class PythonScene {
  public:
-  explicit Scene(OpenedScene&& opened);
+  explicit PythonScene(OpenedScene&& opened);
 
-  const SurfelCloud& cloud() const { return opened_.cloud; }
+  const Scene& scene() const { return opened_.scene; }
   const OpenedScene& opened() const { return opened_; }
   FramePool& frames() { return *frames_; }
 

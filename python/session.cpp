@@ -35,10 +35,10 @@ StateRow rowOf(const FrameRecord& record) {
 /// The session of a scene that it keeps alive. One thread may push samples while another renders.
 class LiveSession {
  public:
-  LiveSession(std::shared_ptr<Scene> scene, const SessionSettings& settings, double rate_Hz,
+  LiveSession(std::shared_ptr<PythonScene> scene, const SessionSettings& settings, double rate_Hz,
               double start_s, bool depth)
       : scene_(std::move(scene)),
-        session_(settings, scene_->cloud(), settings.screen, rate_Hz, start_s),
+        session_(settings, scene_->scene(), settings.screen, rate_Hz, start_s),
         renderer_(session_.cloneRenderer()),
         depth_(depth),
         newest_s_(-std::numeric_limits<double>::infinity()),
@@ -140,7 +140,7 @@ class LiveSession {
     looked_s_ = time_s;
   }
 
-  std::shared_ptr<Scene> scene_;
+  std::shared_ptr<PythonScene> scene_;
   std::mutex mutex_{}, render_mutex_{};
   Session session_;
   FrameRenderer renderer_;
@@ -155,7 +155,7 @@ PupilModel pupilNamed(const std::string& name) {
   throw InputError("pupil = " + name, "expected fixed or recording");
 }
 
-std::unique_ptr<LiveSession> makeSession(std::shared_ptr<Scene> scene, const StillEye& eye,
+std::unique_ptr<LiveSession> makeSession(std::shared_ptr<PythonScene> scene, const StillEye& eye,
                                          const Screen& screen, double rate_Hz, double start_s,
                                          const std::optional<glm::ivec2>& size_px,
                                          const std::string& method, const glm::dvec3& background,

@@ -62,16 +62,16 @@ py::dict keysOf(const StudyAsked& asked) {
 class Replay {
  public:
   Replay(const StudyAsked& asked, bool depth)
-      : scene_(asked.scene ? std::optional(*asked.scene) : std::nullopt),
+      : shared_(asked.scene ? std::optional(*asked.scene) : std::nullopt),
         gaze_(readReplayedGaze(withDepth(asked.study, depth), warnings_)),
-        cloud_(scene_.of(gaze_.study, warnings_)) {}
+        scene_(shared_.of(gaze_.study, warnings_)) {}
 
   /// With the warnings that are still to be raised.
   void raiseWarnings() { raise(warnings_, raised_); }
   std::vector<std::string> warnings() const { return warnings_.all(); }
   std::size_t frames() const { return gaze_.schedule.frames; }
   const ReplayedGaze& gaze() const { return gaze_; }
-  const SurfelCloud& cloud() const { return cloud_; }
+  const Scene& scene() const { return scene_; }
 
   /// The text of a table that `foci replay` writes.
   std::string table(const std::string& name) {
@@ -79,7 +79,7 @@ class Replay {
     if (!in_scene_) {
       judged_ = eventsOfRun(study(), gaze_.trace, gaze_.schedule.first_s, gaze_.schedule.end_s());
       warnings_.addAll(study().gaze.source, judged_.warnings);
-      in_scene_ = lookIntoScene(study(), gaze_, cloud_, judged_, false);
+      in_scene_ = lookIntoScene(study(), gaze_, scene_, judged_, false);
     }
     if (name == "events") {
       return eventTable(judged_.events, gaze_.trials, study().gaze.events.detector);
@@ -88,7 +88,7 @@ class Replay {
     if (name == "objects") return objectTable(*in_scene_, gaze_.trials);
     if (name == "saccades") return saccadeTable(study(), gaze_, judged_, *in_scene_);
     if (eyes_.empty()) {
-      ReplayedEye eye(study(), gaze_, cloud_, warnings_);
+      ReplayedEye eye(study(), gaze_, scene_, warnings_);
       for (std::size_t i = 0; i < frames(); ++i) {
         const FrameRecord record = eye.pass(i);
         eyes_.push_back({record.time_s, record.eye.focus_D, record.pupil_mm});
@@ -107,9 +107,9 @@ class Replay {
 
   Warnings warnings_{};
   std::size_t raised_ = 0;
-  ReplayedScene scene_;
+  ReplayedScene shared_;
   ReplayedGaze gaze_;
-  const SurfelCloud& cloud_;
+  const Scene& scene_;
   std::mutex mutex_{};
   RunEvents judged_{};
   std::optional<GazeInScene> in_scene_{};
@@ -127,8 +127,8 @@ class Frames {
  public:
   explicit Frames(std::shared_ptr<Replay> replay)
       : replay_(std::move(replay)),
-        eye_(replay_->gaze().study, replay_->gaze(), replay_->cloud(), warnings_) {
-    eye_.requireSceneInView(replay_->cloud());
+        eye_(replay_->gaze().study, replay_->gaze(), replay_->scene(), warnings_) {
+    eye_.requireSceneInView(replay_->scene());
   }
 
   EyeImage next() {

@@ -129,15 +129,15 @@ void showAlignment(const std::string& recording, const TraceOptions& trace,
   const UpAxis axis = upOfScene(study, factsOf(file), options.up);
   glm::dvec3 up(0.0);
   up[axis.axis] = axis.negative ? -1.0 : 1.0;
-  const SurfelCloud cloud = loadScene(study, warnings, std::move(file));
+  const Scene scene = loadScene(study, warnings, std::move(file));
   say("searching all rotations about the vertical, scales and places");
-  const AlignmentSearch found = searchAlignment(cloud, sights, study.gaze.alignment, up);
+  const AlignmentSearch found = searchAlignment(scene, sights, study.gaze.alignment, up);
   std::vector<std::pair<std::string, const AlignmentFit*>> fits = {
       {"As it stands: " + fitText(found.now), &found.now}};
   if (found.verdict() == AlignmentSearch::Verdict::propose) {
     fits.emplace_back("Proposed: " + fitText(found.best), &found.best);
   }
-  writeOutput(options.out, alignmentSvg(cloud, sights.sights, fits, up), guard);
+  writeOutput(options.out, alignmentSvg(scene, sights.sights, fits, up), guard);
   if (json) {
     std::puts(jsonText(jsonOf(found)).c_str());
   } else {

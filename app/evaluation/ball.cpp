@@ -87,7 +87,7 @@ SceneInView ballInView(int size_px) {
   settings.defocus.along = DistanceAlong::axis;  // a camera, as in the other scenes
   settings.background = kBackground;
   return {.name = "ball",
-          .cloud = std::move(cloud),
+          .scene = {std::move(cloud)},
           .view = viewOfCamera(eyeFromWorld({0.0f, 0.0f, kDistance_m}, glm::vec3(0.0f), {0, 1, 0}),
                                glm::ivec2(size_px), kFov_rad),
           .settings = settings};

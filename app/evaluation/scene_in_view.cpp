@@ -53,19 +53,19 @@ RenderSettings settingsFor(double focus_m, const glm::vec3& background) {
 
 /// Distance of the surface in the middle of the view, else of the point looked at. The line of
 /// sight is the camera's axis there.
-double focusAt_m(const SurfelCloud& cloud, const EyePose& pose) {
+double focusAt_m(const Scene& scene, const EyePose& pose) {
   const glm::dvec3 sight = glm::dvec3(pose.target_m) - glm::dvec3(pose.position_m);
   const double to_target_m = glm::length(sight);
-  return SurfaceQuery(cloud)
+  return SurfaceQuery(scene)
       .distance(glm::dvec3(pose.position_m), sight / to_target_m, kFocusCone_rad, 0.5)
       .value_or(to_target_m);
 }
 
-SceneInView lionInView(std::string name, SurfelCloud cloud, const EyePose& pose, int size_px,
+SceneInView lionInView(std::string name, Scene scene, const EyePose& pose, int size_px,
                        double fov_rad) {
-  const double focus_m = focusAt_m(cloud, pose);
+  const double focus_m = focusAt_m(scene, pose);
   return {.name = std::move(name),
-          .cloud = std::move(cloud),
+          .scene = std::move(scene),
           .view = viewFrom(pose, glm::ivec2(size_px), fov_rad),
           .settings = settingsFor(focus_m, {0.03f, 0.035f, 0.045f})};
 }
@@ -96,7 +96,7 @@ RenderSettings SceneInView::settingsThrough(double aperture_m) const {
 
 std::vector<float> SceneInView::depthsInView_m() const {
   std::vector<float> depths_m;
-  for (const glm::vec3& p_world : positionsOf(cloud)) {
+  for (const glm::vec3& p_world : scene.position_m()) {
     const glm::vec3 p(view.eye_from_world * glm::vec4(p_world, 1.0f));
     if (!(-p.z >= view.near_m)) continue;
     const glm::vec2 at = project(view, p);
@@ -119,43 +119,43 @@ double SceneInView::largestBlurThrough_px(double aperture_m) const {
 
 SceneInView planeInView(int samples, int size_px) {
   return {.name = "plane",
-          .cloud = makePlane(samples, kPlaneSide_m),
+          .scene = {makePlane(samples, kPlaneSide_m)},
           .view = viewFrom(kPlanePose, glm::ivec2(size_px), kPlaneFov_rad),
           .settings = settingsFor(kPlaneFocus_m, glm::vec3(0.2f))};
 }
 
 SceneInView statueInView(int size_px) {
-  return lionInView("statue", makeStatue(), statueEyePose(), size_px, kStatueFov_rad);
+  return lionInView("statue", {makeStatue()}, statueEyePose(), size_px, kStatueFov_rad);
 }
 
 bool holdsGaussians(const std::filesystem::path& file) {
   const SceneFile scene = readScene(file);
   const auto* const prepared = std::get_if<PreparedScene>(&scene.content);
   return std::holds_alternative<GaussianFile>(scene.content) ||
-         (prepared != nullptr && prepared->cloud.gaussians != nullptr);
+         (prepared != nullptr && prepared->scene.gaussians() != nullptr);
 }
 
 SceneInView surfacesInView(const ScanView& scan, int size_px) {
-  SceneInView scene = scanInView(scan, size_px);
-  if (scene.cloud.gaussians) {
+  SceneInView seen = scanInView(scan, size_px);
+  if (!seen.scene.surfels()) {
     throw InputError(
         scan.file.string(),
         "holds Gaussians, and these measurements are of surfaces: expected points or a "
         "mesh (--scan)");
   }
-  return scene;
+  return seen;
 }
 
 SceneInView scanInView(const ScanView& scan, int size_px) {
   OpenedScene opened = openScene(scan.file, 1.0, scan.pose.position_m);
   Warnings warnings;
-  addRemarks(scan.file, opened, warnings);
+  warnings.addAll(scan.file.string(), opened.remarks);
   std::string name = scan.file.stem().string();
   if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
     name = "scanned " + name;
   }
   SceneInView scene =
-      lionInView(std::move(name), std::move(opened.cloud), scan.pose, size_px, kScanFov_rad);
+      lionInView(std::move(name), std::move(opened.scene), scan.pose, size_px, kScanFov_rad);
   scene.warnings = warnings.all();
   const std::size_t in_view = scene.depthsInView_m().size();
   if (in_view < kMinInView) {
@@ -175,7 +175,7 @@ SceneInView scanInView(const ScanView& scan, int size_px) {
 SceneInView galleryInView(int width_px, float step_px) {
   const View view = viewFrom(galleryEyePose(), {width_px, width_px * 9 / 16}, kGalleryFov_rad);
   return {.name = "gallery",
-          .cloud = makeGallery(step_px),
+          .scene = {makeGallery(step_px)},
           .view = view,
           .settings = settingsFor(galleryDepth_m(view, "knot"), {0.012f, 0.013f, 0.016f})};
 }
@@ -189,7 +189,7 @@ View maskView(int size_px) {
 SceneInView maskInView(int size_px, float step_px) {
   const View view = maskView(size_px);
   return {.name = "mask",
-          .cloud = makeGallery(step_px),
+          .scene = {makeGallery(step_px)},
           .view = view,
           .settings = settingsFor(galleryDepth_m(view, "bust"), glm::vec3(0.0f))};
 }
@@ -197,14 +197,14 @@ SceneInView maskInView(int size_px, float step_px) {
 SceneInView fenceInView(int size_px) {
   const EyePose pose = fenceEyePose();
   return {.name = "fence",
-          .cloud = makeFence(),
+          .scene = {makeFence()},
           .view = viewFrom(pose, glm::ivec2(size_px), kFenceFov_rad),
           .settings = settingsFor(glm::distance(pose.position_m, pose.target_m), glm::vec3(0.05f))};
 }
 
 SceneInView gardenInView(int width_px) {
   return {.name = "garden",
-          .cloud = makeGarden(),
+          .scene = {makeGarden()},
           .view = viewFrom(gardenEyePose(), {width_px, width_px * 9 / 16}, kGardenFov_rad),
           .settings = settingsFor(kGardenFocus_m, glm::vec3(0.05f))};
 }

@@ -9,14 +9,14 @@
 #include "render/methods/method.h"
 #include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
 /// A scene as a camera sees it. Blur is proportional to the aperture.
 struct SceneInView {
   std::string name;
-  SurfelCloud cloud;
+  Scene scene;
   View view;
   RenderSettings settings;                 ///< everything but the aperture
   std::vector<std::string> warnings = {};  ///< of reading a scan, printed already

@@ -320,24 +320,24 @@ void LiveRenderer::noteView() {
   state_.in_view = in_view;
 }
 
-void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& scene,
+void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& file,
                        std::future<SharedGpu>&& gpu) {
   try {
     sayOpening("opening " + sceneName(study_));
-    cloud_ = loadScene(study_, warnings_, std::move(scene));
+    scene_ = loadScene(study_, warnings_, std::move(file));
     sayOpening("preparing " + sceneName(study_));
-    outline_ = outlineOf(*cloud_);
+    outline_ = outlineOf(*scene_);
     noteView();
-    const double scene_m = boxWithoutStrays(positionsOf(outlined())).longest();
+    const double scene_m = boxWithoutStrays(outlined().position_m()).longest();
     {
       const std::lock_guard lock(mutex_);
       state_.scene_m = scene_m;
-      state_.methods = methodsFor(*cloud_);
+      state_.methods = methodsFor(*scene_);
     }
     const SharedGpu window_gpu = gpu.valid() ? gpu.get() : nullptr;
     session_start_s_ = now_s();
     if (head_) beginPath(session_start_s_);
-    session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
+    session_ = std::make_unique<Session>(sessionSettingsOf(study_), *scene_, feed_.screen(),
                                          feed_.rate_Hz(), session_start_s_, window_gpu);
     shows_textures_ = window_gpu && session_->renderer().gpu() == window_gpu;
     say("renders on " + session_->deviceOf(study_.render.method));

@@ -128,7 +128,7 @@ class LiveRenderer {
   void publish();
   void sayOpening(const std::string& what);
   void noteView();
-  const SurfelCloud& outlined() const { return outline_.empty() ? *cloud_ : outline_; }
+  const Scene& outlined() const { return outline_ ? *outline_ : *scene_; }
   void closeRecord();
   void noteDevices();
   void noteEnd(LiveRecord& record);
@@ -143,8 +143,8 @@ class LiveRenderer {
 
   // Used by the thread alone.
   Warnings warnings_;
-  std::optional<SurfelCloud> cloud_;
-  SurfelCloud outline_;  // of a large scene, instead of all its surfels; else empty
+  std::optional<Scene> scene_;
+  std::optional<Scene> outline_;  // of a large scene, instead of all its surfels
   std::unique_ptr<Session> session_;
   std::unique_ptr<Refiner> refiner_;  // under a frame-time budget
   RenderRequest last_request_;

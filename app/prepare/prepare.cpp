@@ -261,11 +261,7 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
   PointCloud& points = opened.points;
   summary.dropped = points.dropped;
 
-  PreparedScene scene{solved(std::move(points), summary.before),
-                      {.mesh = opened.mesh != nullptr,
-                       .plain_colors = !summary.facts.has_colors,
-                       .up_axis = request.up_axis ? request.up_axis(summary.facts) : std::nullopt}};
-  const SurfelCloud& cloud = scene.cloud;
+  SurfelCloud cloud = solved(std::move(points), summary.before);
   summary.surfels = cloud.size();
   summary.oriented = cloud.oriented;
   summary.spacing_m = medianSpacing_m(cloud);
@@ -278,9 +274,12 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
     if (summary.fidelity)
       summary.warnings = fidelityWarnings(*summary.fidelity, cloud.size(), *opened.mesh);
   }
-  scene.cloud = withTree(std::move(scene.cloud));
-  summary.levels = normalisationOfLevels(*treeOf(scene.cloud));
-  return scene;
+  cloud = withTree(std::move(cloud));
+  summary.levels = normalisationOfLevels(*treeOf(cloud));
+  return {{std::move(cloud)},
+          {.mesh = summary.of_mesh,
+           .plain_colors = !summary.facts.has_colors,
+           .up_axis = request.up_axis ? request.up_axis(summary.facts) : std::nullopt}};
 }
 
 /// Gaussians with their tree.
@@ -291,21 +290,13 @@ PreparedScene preparedGaussians(const PrepareRequest& request, SceneFile&& file,
                                      " holds Gaussians: leave it out");
   }
   auto& read = std::get<GaussianFile>(file.content);
-  PreparedScene scene;
-  scene.origin.y_is_down = !read.y_is_up;
   summary.dropped = read.dropped;
-  GaussianCloud gaussians;
-  if (read.mesh || read.points) {  // which become flat Gaussians
-    gaussians = *openScene(std::move(file), request.scale_m, std::nullopt).cloud.gaussians;
-  } else {
-    gaussians = std::move(read.cloud);
-    scaleBy(gaussians, static_cast<float>(request.scale_m));
-  }
-  const auto cloud = std::make_shared<const GaussianCloud>(withTree(std::move(gaussians)));
-  summary.gaussians = cloud->size();
-  summary.nodes = cloud->tree->nodes.size() - 1;
-  scene.cloud.gaussians = cloud;
-  return scene;
+  const bool y_is_down = !read.y_is_up;
+  Scene scene = openScene(std::move(file), request.scale_m, std::nullopt).scene;
+  GaussianCloud cloud = withTree(std::get<GaussianCloud>(std::move(scene.splats)));
+  summary.gaussians = cloud.size();
+  summary.nodes = cloud.tree->nodes.size() - 1;
+  return {{std::move(cloud)}, {.y_is_down = y_is_down}};
 }
 
 }  // namespace
@@ -326,10 +317,8 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   output.write(request.out, [&](const std::filesystem::path& to) { writeSceneFile(to, scene); });
   Warnings warnings;
   const std::string input = request.input.string();
-  if (summary.dropped > 0) {
-    warnings.add(input, counted(summary.dropped, summary.gaussians > 0 ? "Gaussian" : "point") +
-                            " left out: not finite, or farther than 1e9 units from the origin");
-  }
+  warnings.addAll(input,
+                  droppedRemarks(summary.dropped, summary.gaussians > 0 ? "Gaussian" : "point"));
   const std::string before = input + ": ";
   for (const std::string& remark : summary.facts.remarks) warnings.include({before + remark});
   warnings.addAll(input, summary.warnings);

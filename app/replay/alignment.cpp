@@ -94,9 +94,9 @@ bool noBetter(const std::vector<Sight>& sights, const std::vector<double>& best,
 
 class Search {
  public:
-  Search(const SurfelCloud& cloud, const std::vector<Sight>& sights, const SceneAlignment& now,
+  Search(const Scene& scene, const std::vector<Sight>& sights, const SceneAlignment& now,
          const glm::dvec3& up, double sigma_D)
-      : sights_(sights), now_(now), up_(up), sigma_D_(sigma_D), query_(cloud) {
+      : sights_(sights), now_(now), up_(up), sigma_D_(sigma_D), query_(scene) {
     const glm::dquat stands = sceneFromRecording(now);
     const glm::dvec3 y = stands * glm::dvec3(0.0, 1.0, 0.0);
     if (glm::dot(y, up) > -0.999) {
@@ -112,7 +112,7 @@ class Search {
           (sight.eye_m + away_m.back() * sight.direction) / static_cast<double>(sights.size());
     }
     distance_m_ = quantile(away_m, 0.5);
-    const SceneBox box = boxWithoutStrays(positionsOf(cloud));
+    const SceneBox box = boxWithoutStrays(scene.position_m());
     low_m_ = box.low;
     high_m_ = box.high;
   }
@@ -164,8 +164,8 @@ class Search {
   }
 
   /// The best poses, the best first, each elsewhere.
-  std::vector<Pose> best(const SurfelCloud& cloud, const AlignmentRange& range) const {
-    const SceneVoxels voxels(cloud, low_m_, high_m_);
+  std::vector<Pose> best(const Scene& scene, const AlignmentRange& range) const {
+    const SceneVoxels voxels(scene, low_m_, high_m_);
     const Distance rough = [&](const glm::dvec3& o, const glm::dvec3& d) {
       return voxels.distance_m(o, d);
     };
@@ -347,16 +347,16 @@ AlignmentSearch::Verdict AlignmentSearch::verdict() const {
   return flat || rivals > 0 ? Verdict::ambiguous : Verdict::propose;
 }
 
-AlignmentSearch searchAlignment(const SurfelCloud& cloud, const RecordedSights& looks,
+AlignmentSearch searchAlignment(const Scene& scene, const RecordedSights& looks,
                                 const SceneAlignment& now, const glm::dvec3& up,
                                 const AlignmentRange& range) {
   AlignmentSearch result;
   result.sigma_D = looks.sigma_D;
   const std::vector<Sight>& sights = looks.sights;
-  const Search search(cloud, sights, now, up, result.sigma_D);
+  const Search search(scene, sights, now, up, result.sigma_D);
   result.now = search.fitOf(now);
   result.best = result.now;
-  const std::vector<Pose> poses = search.best(cloud, range);
+  const std::vector<Pose> poses = search.best(scene, range);
   std::vector<AlignmentFit> fits;
   fits.reserve(poses.size());
   for (const Pose& pose : poses) fits.push_back(search.fitOf(search.alignmentOf(pose)));

@@ -9,7 +9,7 @@
 
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -84,7 +84,7 @@ struct AlignmentRange {
 /// @param now     as it stands. If it turns the recording's y axis to another direction than `up`,
 ///                the proposals turn it to `up`
 /// @param up      unit, of the scene
-AlignmentSearch searchAlignment(const SurfelCloud& cloud, const RecordedSights& looks,
+AlignmentSearch searchAlignment(const Scene& scene, const RecordedSights& looks,
                                 const SceneAlignment& now, const glm::dvec3& up,
                                 const AlignmentRange& range = {});
 

@@ -33,13 +33,13 @@ std::string textAt(int x, int y, int size_px, const std::string& words) {
 
 }  // namespace
 
-std::string alignmentSvg(const SurfelCloud& cloud, const std::vector<Sight>& sights,
+std::string alignmentSvg(const Scene& scene, const std::vector<Sight>& sights,
                          const std::vector<std::pair<std::string, const AlignmentFit*>>& fits,
                          const glm::dvec3& up) {
   std::string body;
   int width = 0, y = 0;
   for (const auto& [caption, fit] : fits) {
-    const SceneView view = sceneViewOf(cloud, linesOf(sights, *fit), up);
+    const SceneView view = sceneViewOf(scene, linesOf(sights, *fit), up);
     body += textAt(kGap_px, y + 24, 18, caption);
     int x = kGap_px, tallest = 0;
     for (const auto& [side, name] :

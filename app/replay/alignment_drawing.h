@@ -11,7 +11,7 @@ namespace foci {
 
 /// An SVG file: for each alignment a caption, and plan and side view of scene, head path and lines
 /// of sight. Lines that meet no surface are dashed, and end where the eyes converge.
-std::string alignmentSvg(const SurfelCloud& cloud, const std::vector<Sight>& sights,
+std::string alignmentSvg(const Scene& scene, const std::vector<Sight>& sights,
                          const std::vector<std::pair<std::string, const AlignmentFit*>>& fits,
                          const glm::dvec3& up);
 

@@ -276,7 +276,7 @@ GnuplotChart heatMapFigure(const FigureStyle& wanted, const FigureRun& run,
   requireSameInputs(run.folder);
   Warnings warnings;
   ReplayedGaze gaze = readReplayedGaze(run.study, warnings);
-  const SurfelCloud cloud = loadScene(gaze.study, warnings);
+  const Scene scene = loadScene(gaze.study, warnings);
   if (trial) {
     std::erase_if(gaze.trace.samples, [&](const GazeSample& sample) {
       return sample.time_s < run.frames.front().time_s || sample.time_s > run.frames.back().time_s;
@@ -284,10 +284,10 @@ GnuplotChart heatMapFigure(const FigureStyle& wanted, const FigureRun& run,
   }
   RunEvents judged =
       eventsOfRun(gaze.study, gaze.trace, run.frames.front().time_s, run.frames.back().time_s);
-  const GazeInScene seen = lookIntoScene(gaze.study, gaze, cloud, judged, true);
-  const HeatMap heat = heatMapOf(cloud, seen, wanted.colors);
+  const GazeInScene seen = lookIntoScene(gaze.study, gaze, scene, judged, true);
+  const HeatMap heat = heatMapOf(scene, seen, wanted.colors);
   const int width = static_cast<int>(wanted.width_mm / 25.4 * std::min(wanted.dpi, 300.0));
-  const auto pictures = heatPictures(heat.cloud, seen, {width, 2 * width / 3});
+  const auto pictures = heatPictures(heat.scene, seen, {width, 2 * width / 3});
   if (pictures.empty()) throw InputError("no gaze met the scene");
   const FigureStyle style = styleFor(wanted, pictures[0].image.size_px);
   const FigurePicture picture{

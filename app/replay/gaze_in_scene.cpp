@@ -42,8 +42,12 @@ std::vector<PathFrom> pathsOf(const Study& study, const ReplayedGaze& gaze) {
 
 class Looker {
  public:
-  Looker(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud)
-      : study_(study), gaze_(gaze), cloud_(cloud), query_(cloud), paths_(pathsOf(study, gaze)) {}
+  Looker(const Study& study, const ReplayedGaze& gaze, const Scene& scene)
+      : study_(study), gaze_(gaze), query_(scene), paths_(pathsOf(study, gaze)) {
+    if (const SurfelCloud* const surfels = scene.surfels()) objects_ = surfels->objects;
+  }
+
+  const SceneObjects& objects() const { return objects_; }  // of the scene
 
   /// @param surface  gets what the sight meets; null: not wanted
   void look(const GazeSample& from, SightSample& sample, std::vector<SurfelShare>* surface) const {
@@ -76,9 +80,9 @@ class Looker {
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       if (shapes[i].holds(point_m)) return i + 1;
     }
-    if (cloud_.objects.empty()) return 0;
+    if (objects_.empty()) return 0;
     std::map<std::uint16_t, double> shares;
-    for (const SurfelShare& each : surface) shares[cloud_.objects.of[each.surfel]] += each.share;
+    for (const SurfelShare& each : surface) shares[objects_.of[each.surfel]] += each.share;
     if (shares.empty()) return 0;
     const auto most =
         std::ranges::max_element(shares, {}, [](const auto& share) { return share.second; });
@@ -87,9 +91,9 @@ class Looker {
 
   const Study& study_;
   const ReplayedGaze& gaze_;
-  const SurfelCloud& cloud_;
   SurfaceQuery query_;
   std::vector<PathFrom> paths_;
+  SceneObjects objects_;
 };
 
 /// The samples of the replayed time, without what they meet; `source` gets their numbers.
@@ -241,19 +245,18 @@ std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSamp
   return {at(event.onset_s), at(event.onset_s + event.duration_s)};
 }
 
-GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Scene& scene,
                           RunEvents& judged, bool attention) {
   GazeInScene found;
   found.objects.push_back({.name = {}});
   for (const NamedShape& shape : study.scene.objects) found.objects.push_back({.name = shape.name});
-  for (std::size_t i = 1; i < cloud.objects.names.size(); ++i) {
-    found.objects.push_back({.name = cloud.objects.names[i]});
-  }
+  const Looker looker(study, gaze, scene);
+  const std::vector<std::string>& names = looker.objects().names;
+  for (std::size_t i = 1; i < names.size(); ++i) found.objects.push_back({.name = names[i]});
   std::vector<std::size_t> source;
   found.samples = samplesOf(gaze, judged.states, source);
-  const Looker looker(study, gaze, cloud);
   if (attention) {
-    found.attention_s.assign(positionsOf(cloud).size(), 0.0);
+    found.attention_s.assign(scene.position_m().size(), 0.0);
     found.heat_s_per_m2 = found.attention_s;
   }
   std::optional<Progress> progress;

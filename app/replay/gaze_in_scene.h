@@ -12,7 +12,7 @@
 #include "app/replay/replay_inputs.h"
 #include "app/study/study.h"
 #include "gaze/events/gaze_events.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -78,7 +78,7 @@ std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSamp
 /// @param judged     of the run. Where the recording has a head, pursuit that rests on a point of
 ///                   the scene becomes fixation (`fixateRestingPoints`)
 /// @param attention  whether to share the time of each sample among what it meets
-GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Scene& scene,
                           RunEvents& judged, bool attention);
 
 /// Three numbers as fields of a table.

@@ -4,16 +4,15 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <memory>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "app/graphics/image.h"
 #include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/methods/method.h"
 #include "render/optics/view.h"
-#include "render/scene/gaussian_cloud.h"
 #include "render/scene/io/ply.h"
 
 namespace foci {
@@ -62,28 +61,27 @@ HeatPicture pictureFrom(Method& method, const glm::dvec3& eye_m, const glm::dvec
 
 }  // namespace
 
-HeatMap heatMapOf(const SurfelCloud& cloud, const GazeInScene& gaze, ColorMap colors) {
-  HeatMap map{.cloud = cloud, .most_s_per_m2 = scaleOf(gaze.attention_s, gaze.heat_s_per_m2)};
+HeatMap heatMapOf(const Scene& scene, const GazeInScene& gaze, ColorMap colors) {
+  HeatMap map{.scene = scene, .most_s_per_m2 = scaleOf(gaze.attention_s, gaze.heat_s_per_m2)};
   const auto codeOf = [&](std::size_t i, const glm::vec3& linear) {
     const float grey = kDim * glm::dot(kLuminance, glm::clamp(linear, 0.0f, 1.0f));
     const bool scaled = map.most_s_per_m2 > 0.0;
     const double share = scaled ? gaze.heat_s_per_m2[i] / map.most_s_per_m2 : 0.0;
     return heatAt(colors, static_cast<float>(std::min(share, 1.0)), srgbFromLinear(grey));
   };
-  if (!cloud.gaussians) {
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      map.cloud.color[i] = linearOf(codeOf(i, cloud.color[i]));
+  if (auto* const surfels = std::get_if<SurfelCloud>(&map.scene.splats)) {
+    for (std::size_t i = 0; i < surfels->size(); ++i) {
+      surfels->color[i] = linearOf(codeOf(i, std::as_const(*surfels).color[i]));
     }
     return map;
   }
-  GaussianCloud heated = *cloud.gaussians;
+  auto& heated = std::get<GaussianCloud>(map.scene.splats);
   heated.degree = 0;
   heated.tree.reset();
   heated.harmonics.clear();
   for (std::size_t i = 0; i < heated.size(); ++i) {
-    heated.color[i] = codeOf(i, linearOf(glm::clamp(heated.color[i], 0.0f, 1.0f)));
+    heated.color[i] = codeOf(i, linearOf(displayColorOf(heated, i)));
   }
-  map.cloud.gaussians = std::make_shared<const GaussianCloud>(std::move(heated));
   return map;
 }
 
@@ -99,7 +97,7 @@ std::string heatBarHtml(double most_s_per_m2) {
          colors + ")\"></span> &ge; " + significant(most_s_per_m2, 3) + " s/m&sup2;</p>\n";
 }
 
-std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze,
+std::vector<HeatPicture> heatPictures(const Scene& heat, const GazeInScene& gaze,
                                       const glm::ivec2& size_px) {
   glm::dvec3 eye_m(0.0), middle_m(0.0);
   double all_s = 0.0;
@@ -124,19 +122,19 @@ std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene
   return pictures;
 }
 
-void writeHeatPly(const std::filesystem::path& file, const SurfelCloud& heat,
+void writeHeatPly(const std::filesystem::path& file, const Scene& heat,
                   const std::vector<double>& attention_s) {
   PointCloud points;
-  const std::span<const glm::vec3> all_m = positionsOf(heat);
+  const std::span<const glm::vec3> all_m = heat.position_m();
   points.position_m.assign(all_m.begin(), all_m.end());
-  points.color.assign(heat.color.begin(), heat.color.end());
-  for (std::size_t i = 0; heat.gaussians && i < all_m.size(); ++i) {
-    points.color.push_back(linearOf(heat.gaussians->color[i]));
-  }
-  points.normal.resize(heat.size());
-  for (std::size_t i = 0; i < heat.size(); ++i) {
-    points.normal[i] = glm::normalize(
-        glm::cross(glm::normalize(heat.axis_u_m[i]), glm::normalize(heat.axis_v_m[i])));
+  if (const SurfelCloud* const surfels = heat.surfels()) {
+    points.color.assign(surfels->color.begin(), surfels->color.end());
+    for (std::size_t i = 0; i < surfels->size(); ++i) {
+      points.normal.push_back(glm::normalize(
+          glm::cross(glm::normalize(surfels->axis_u_m[i]), glm::normalize(surfels->axis_v_m[i]))));
+    }
+  } else {
+    for (const glm::vec3& code : heat.gaussians()->color) points.color.push_back(linearOf(code));
   }
   const std::vector<float> seconds(attention_s.begin(), attention_s.end());
   writePly(file, points, {.name = "attention_s", .values = seconds});

@@ -109,9 +109,9 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   stated = withRecordedHead(stated, gaze.trace);
   stated.output.fps = gaze.study.output.fps;
   for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
-  const SurfelCloud cloud = loadScene(gaze.study, warnings);
+  const Scene scene = loadScene(gaze.study, warnings);
   warnings.add(eyeRemark(gaze.study));
-  RunWriter writer(stated, gaze, cloud, out, guard, warnings);
+  RunWriter writer(stated, gaze, scene, out, guard, warnings);
   sayAssumptions(gaze.study, gaze.trace);
   Progress progress("joining", "frames", gaze.schedule.frames);
   RunFacts facts{.command = command,

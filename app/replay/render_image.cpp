@@ -37,15 +37,15 @@ void checkRequest(const Study& study, const ImageRequest& request) {
 }  // namespace
 
 ImageSummary renderImage(const Study& study, const ImageRequest& request,
-                         std::optional<SceneFile> scene) {
+                         std::optional<SceneFile> file) {
   checkRequest(study, request);
   Warnings warnings;
-  const SurfelCloud cloud = loadScene(study, warnings, std::move(scene));
+  const Scene scene = loadScene(study, warnings, std::move(file));
   SessionSettings settings = sessionSettingsOf(study);
   settings.quality.frame_ms.reset();
   if (request.focus_D) settings.focus.fixed_D = request.focus_D;
   constexpr double kRate_Hz = 1000.0;  // of no samples
-  Session session(settings, cloud, settings.screen, kRate_Hz, 0.0);
+  Session session(settings, scene, settings.screen, kRate_Hz, 0.0);
   warnings.add(eyeRemark(study));
   if (const std::string device = session.deviceOf(settings.method);
       settings.device == RenderDevice::gpu || !device.starts_with("the CPU")) {

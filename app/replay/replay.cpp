@@ -13,31 +13,31 @@
 
 namespace foci {
 
-const SurfelCloud& ReplayedScene::of(const Study& study, Warnings& warnings) {
-  if (!cloud_) {
+const Scene& ReplayedScene::of(const Study& study, Warnings& warnings) {
+  if (!scene_) {
     Warnings own;
-    cloud_ = loadScene(study, own, std::move(file_));
+    scene_ = loadScene(study, own, std::move(file_));
     warnings_ = own.all();
   }
   warnings.include(warnings_);
-  return *cloud_;
+  return *scene_;
 }
 
 RunResult replay(const Study& asked, const std::filesystem::path& out, const std::string& command,
-                 unsigned threads, ReplayedScene& scene, const OutputGuard& guard,
+                 unsigned threads, ReplayedScene& shared, const OutputGuard& guard,
                  const std::optional<std::filesystem::path>& heatmap) {
   Warnings warnings;
   const ReplayedGaze gaze = readReplayedGaze(asked, warnings);
   const Study& study = gaze.study;
-  const SurfelCloud& cloud = scene.of(study, warnings);
+  const Scene& scene = shared.of(study, warnings);
   RunFacts facts{
       .command = command, .threads = threads, .device = {}, .inputs = {}, .heatmap = heatmap};
-  ReplayedEye eye(study, gaze, cloud, warnings);
-  eye.requireSceneInView(cloud);
-  InputHashes hashes(study, scene.hashed);
+  ReplayedEye eye(study, gaze, scene, warnings);
+  eye.requireSceneInView(scene);
+  InputHashes hashes(study, shared.hashed);
   warnings.add(eyeRemark(study));
 
-  RunWriter writer(study, gaze, cloud, out, guard, warnings);
+  RunWriter writer(study, gaze, scene, out, guard, warnings);
   sayAssumptions(study, gaze.trace);
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
@@ -70,7 +70,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   if (written.valid()) written.get();
   eye.addRemark();
   eye.compareDevices();
-  facts.inputs = scene.hashed = hashes.get();
+  facts.inputs = shared.hashed = hashes.get();
   facts.device = eye.session().devices();
   return writer.finish(facts);
 }

@@ -10,7 +10,7 @@
 #include "app/record/manifest.h"
 #include "app/replay/run_writer.h"
 #include "app/study/study.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -22,14 +22,14 @@ class ReplayedScene {
 
   /// @param warnings  of a run, which get those of the scene
   /// @throws InputError
-  const SurfelCloud& of(const Study& study, Warnings& warnings);
+  const Scene& of(const Study& study, Warnings& warnings);
 
   /// Files that runs have read, with their hashes: the next run need not hash them again.
   std::vector<InputFile> hashed{};
 
  private:
   std::optional<SceneFile> file_;
-  std::optional<SurfelCloud> cloud_{};
+  std::optional<Scene> scene_{};
   std::vector<std::string> warnings_{};  // of the scene
 };
 

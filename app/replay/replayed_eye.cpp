@@ -6,12 +6,12 @@
 
 namespace foci {
 
-ReplayedEye::ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+ReplayedEye::ReplayedEye(const Study& study, const ReplayedGaze& gaze, const Scene& scene,
                          Warnings& warnings)
     : study_(study),
       gaze_(gaze),
       warnings_(warnings),
-      session_(sessionSettingsOf(study), cloud, *gaze.trace.screen, gaze.trace.rate_Hz,
+      session_(sessionSettingsOf(study), scene, *gaze.trace.screen, gaze.trace.rate_Hz,
                gaze.trace.samples.front().time_s) {
   lookAtSkippedFrames();
 }
@@ -46,10 +46,10 @@ void ReplayedEye::lookAtSkippedFrames() {
   }
 }
 
-void ReplayedEye::requireSceneInView(const SurfelCloud& cloud) const {
+void ReplayedEye::requireSceneInView(const Scene& scene) const {
   constexpr std::size_t kMoments = 100, kPoints = 20'000;
   if (!gaze_.trace.samples.front().head) return;
-  const std::span<const glm::vec3> all_m = positionsOf(cloud);
+  const std::span<const glm::vec3> all_m = scene.position_m();
   std::vector<glm::vec3> points_m;
   for (std::size_t i = 0; i < all_m.size(); i += 1 + all_m.size() / kPoints) {
     points_m.push_back(all_m[i]);

@@ -10,7 +10,7 @@
 #include "app/replay/replay_inputs.h"
 #include "app/session/frame_record.h"
 #include "app/session/session.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -22,10 +22,9 @@ struct SeenFrame {
 
 class ReplayedEye {
  public:
-  /// @param gaze, cloud, warnings  outlive it
+  /// @param gaze, scene, warnings  outlive it
   /// @throws InputError
-  ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-              Warnings& warnings);
+  ReplayedEye(const Study& study, const ReplayedGaze& gaze, const Scene& scene, Warnings& warnings);
 
   /// Looks at the frame of the schedule after the last one, and renders it.
   /// @param seen  gets the frame's record
@@ -44,7 +43,7 @@ class ReplayedEye {
 
   /// @throws InputError if the head of a recording never has the scene in view, before minutes of
   /// an empty video
-  void requireSceneInView(const SurfelCloud& cloud) const;
+  void requireSceneInView(const Scene& scene) const;
 
   /// Says what renders, and warns if a live run's record began on another device.
   void sayDevice();

@@ -150,11 +150,11 @@ std::vector<std::filesystem::path> RunWriter::files(const Study& study,
   return files;
 }
 
-RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const Scene& scene,
                      const std::filesystem::path& out, const OutputGuard& guard, Warnings& warnings)
     : study_(study),
       gaze_(gaze),
-      cloud_(cloud),
+      scene_(scene),
       warnings_(warnings),
       out_(out),
       folder_(out, guard),
@@ -192,7 +192,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
   const std::vector<GazeEvent>& events = judged.events;
   warnings_.addAll(study_.gaze.source, judged.warnings);
   const GazeInScene in_scene =
-      lookIntoScene(study_, gaze_, cloud_, judged, run.heatmap.has_value());
+      lookIntoScene(study_, gaze_, scene_, judged, run.heatmap.has_value());
   folder_.write(kEvents, eventTable(events, gaze_.trials, study_.gaze.events.detector));
   ReportFacts facts;
   facts.fixations = fixationTable(study_, gaze_, judged, in_scene, eyes_);
@@ -211,14 +211,14 @@ RunResult RunWriter::finish(const RunFacts& run) {
     facts.headset = {.screen = study_.screenInForce(), .up = in_scene.up};
   }
   facts.objects = in_scene.objects;
-  facts.scene = sceneViewOf(cloud_, in_scene);
+  facts.scene = sceneViewOf(scene_, in_scene);
   facts.quality = judged.quality;
   if (run.heatmap) {
-    const HeatMap heat = heatMapOf(cloud_, in_scene);
-    facts.heat = heatPictures(heat.cloud, in_scene);
+    const HeatMap heat = heatMapOf(scene_, in_scene);
+    facts.heat = heatPictures(heat.scene, in_scene);
     facts.most_heat_s_per_m2 = heat.most_s_per_m2;
     folder_.files().write(*run.heatmap, [&](const std::filesystem::path& to) {
-      writeHeatPly(to, heat.cloud, in_scene.attention_s);
+      writeHeatPly(to, heat.scene, in_scene.attention_s);
     });
   }
   facts.sheet = sheet_.images(study_.imageSize_px());

@@ -58,9 +58,9 @@ class FrameStatistics {
 /// If `finish` is not called, no file stays, and a new folder is removed.
 class RunWriter {
  public:
-  /// @param study, gaze, cloud  outlive it
+  /// @param study, gaze, scene  outlive it
   /// @param warnings  of the run so far, which outlive it; `finish` adds more and writes all
-  RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+  RunWriter(const Study& study, const ReplayedGaze& gaze, const Scene& scene,
             const std::filesystem::path& out, const OutputGuard& guard, Warnings& warnings);
 
   /// @param image  without marker
@@ -84,7 +84,7 @@ class RunWriter {
  private:
   const Study& study_;
   const ReplayedGaze& gaze_;
-  const SurfelCloud& cloud_;
+  const Scene& scene_;
   Warnings& warnings_;
   std::filesystem::path out_;
   OutputFolder folder_;

@@ -7,8 +7,6 @@
 
 #include "app/replay/scene_voxels.h"
 #include "app/study/framing.h"
-#include "render/image/srgb.h"
-#include "render/scene/gaussian_cloud.h"
 
 namespace foci {
 namespace {
@@ -27,25 +25,12 @@ glm::dmat3 axesOf(const glm::dvec3& sight, const glm::dvec3& up) {
   return {glm::cross(ahead, up), up, -ahead};
 }
 
-SceneView::Point pointOf(const SurfelCloud& cloud, std::size_t i) {
-  SceneView::Point point{};
-  point.radius_m = coveringRadius_m(cloud, i);
-  glm::vec3 code;
-  if (cloud.gaussians) {
-    code = glm::clamp(cloud.gaussians->color[i], 0.0f, 1.0f);
-  } else {
-    for (int c = 0; c < 3; ++c) code[c] = srgbFromLinear(cloud.color[i][c]);
-  }
-  point.color = glm::u8vec3(glm::round(255.0f * code));
-  return point;
-}
-
 /// Points within reach, evenly by number: those where the fraction of number times golden ratio is
 /// small, so that rows of a grid leave no pattern. A point is as likely as it is opaque (Enderton
 /// et al. 2010, Stochastic transparency), so that veils cover what they should.
-void choosePoints(const SurfelCloud& cloud, const glm::dvec3& origin_m, const glm::dmat3& axes,
+void choosePoints(const auto& cloud, const glm::dvec3& origin_m, const glm::dmat3& axes,
                   SceneView& view) {
-  const auto positions_m = positionsOf(cloud);
+  const auto& positions_m = cloud.position_m;
   const auto placeOf = [&](std::size_t i) -> std::optional<glm::vec3> {
     const glm::vec3 at_m((glm::dvec3(positions_m[i]) - origin_m) * axes);
     const glm::vec3 away_m = glm::abs(at_m);
@@ -66,9 +51,10 @@ void choosePoints(const SurfelCloud& cloud, const glm::dvec3& origin_m, const gl
     if (!at_m) continue;
     fraction += kGoldenFraction;
     if (static_cast<double>(fraction) * 0x1p-64 >= share * double{opacityOf(cloud, i)}) continue;
-    view.points.push_back(pointOf(cloud, i));
-    view.points.back().at_m = *at_m;
-    view.points.back().radius_m /= static_cast<float>(std::sqrt(share));
+    view.points.push_back(
+        {.at_m = *at_m,
+         .radius_m = coveringRadius_m(cloud, i) / static_cast<float>(std::sqrt(share)),
+         .color = glm::u8vec3(glm::round(255.0f * displayColorOf(cloud, i)))});
   }
 }
 
@@ -92,7 +78,7 @@ void boxAbout(const std::vector<glm::vec3>& places_m, SceneView& view) {
 
 }  // namespace
 
-std::optional<SceneView> sceneViewOf(const SurfelCloud& cloud, const GazeInScene& gaze) {
+std::optional<SceneView> sceneViewOf(const Scene& scene, const GazeInScene& gaze) {
   glm::dvec3 origin_m(0.0), sight(0.0);
   double met_s = 0.0;
   for (const SightSample& sample : gaze.samples) {
@@ -129,13 +115,13 @@ std::optional<SceneView> sceneViewOf(const SurfelCloud& cloud, const GazeInScene
     if (from.hit) places_m.push_back(view.path.back().point_m);
   }
   boxAbout(places_m, view);
-  choosePoints(cloud, origin_m, axes, view);
+  std::visit([&](const auto& cloud) { choosePoints(cloud, origin_m, axes, view); }, scene.splats);
   return view;
 }
 
-SceneView sceneViewOf(const SurfelCloud& cloud, const std::vector<SightLine>& lines,
+SceneView sceneViewOf(const Scene& scene, const std::vector<SightLine>& lines,
                       const glm::dvec3& up) {
-  const SceneBox box = boxWithoutStrays(positionsOf(cloud));
+  const SceneBox box = boxWithoutStrays(scene.position_m());
   glm::dvec3 sight(0.0);
   for (const SightLine& line : lines) sight += glm::normalize(line.end_m - line.eye_m);
   const glm::dmat3 axes = axesOf(sight, up);
@@ -157,7 +143,8 @@ SceneView sceneViewOf(const SurfelCloud& cloud, const std::vector<SightLine>& li
   }
   const glm::vec3 reach_m = glm::max(glm::abs(view.low_m), glm::abs(view.high_m));
   view.reach_m = std::max({reach_m.x, reach_m.y, reach_m.z});
-  choosePoints(cloud, box.middle(), axes, view);
+  std::visit([&](const auto& cloud) { choosePoints(cloud, box.middle(), axes, view); },
+             scene.splats);
   return view;
 }
 

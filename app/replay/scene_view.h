@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/replay/gaze_in_scene.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -48,11 +48,11 @@ struct SceneView {
 inline constexpr std::size_t kMaxViewPoints = 200'000, kMaxSights = 4000;
 
 /// @return absent if no gaze met the scene
-std::optional<SceneView> sceneViewOf(const SurfelCloud& cloud, const GazeInScene& gaze);
+std::optional<SceneView> sceneViewOf(const Scene& scene, const GazeInScene& gaze);
 
 /// A view of the whole scene with these lines, whether they meet it or not. The path follows them.
 /// @param lines  in the scene's world; not empty
-SceneView sceneViewOf(const SurfelCloud& cloud, const std::vector<SightLine>& lines,
+SceneView sceneViewOf(const Scene& scene, const std::vector<SightLine>& lines,
                       const glm::dvec3& up);
 
 }  // namespace foci

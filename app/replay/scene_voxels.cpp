@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "base/quantile.h"
-#include "render/scene/gaussian_cloud.h"
 
 namespace foci {
 namespace {
@@ -16,30 +15,30 @@ constexpr float kLeastOpacity = 0.3f;  // of what hides something
 }  // namespace
 
 float coveringRadius_m(const SurfelCloud& cloud, std::size_t i) {
-  if (!cloud.gaussians) return std::sqrt(cloud.area_m2[i] / 2.0f);  // half its square's diagonal
-  return std::sqrt(traceOf(cloud.gaussians->covariance_m2[i]) / 2.0f);  // flat: its sigma
+  return std::sqrt(cloud.area_m2[i] / 2.0f);  // half its square's diagonal
 }
 
-float opacityOf(const SurfelCloud& cloud, std::size_t i) {
-  if (cloud.gaussians) return cloud.gaussians->opacity[i];
-  return cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
+float coveringRadius_m(const GaussianCloud& cloud, std::size_t i) {
+  return std::sqrt(traceOf(cloud.covariance_m2[i]) / 2.0f);  // flat: its sigma
 }
 
-SceneVoxels::SceneVoxels(const SurfelCloud& cloud, const glm::dvec3& low_m,
-                         const glm::dvec3& high_m)
+SceneVoxels::SceneVoxels(const Scene& scene, const glm::dvec3& low_m, const glm::dvec3& high_m)
     : low_m_(low_m) {
-  const auto positions_m = positionsOf(cloud);
-  std::vector<float> radii_m(positions_m.size());
+  std::visit([&](const auto& cloud) { fill(cloud, high_m); }, scene.splats);
+}
+
+void SceneVoxels::fill(const auto& cloud, const glm::dvec3& high_m) {
+  std::vector<float> radii_m(cloud.size());
   for (std::size_t i = 0; i < radii_m.size(); ++i) radii_m[i] = coveringRadius_m(cloud, i);
-  const glm::dvec3 size_m = high_m - low_m;
+  const glm::dvec3 size_m = high_m - low_m_;
   const double longest_m = std::max({size_m.x, size_m.y, size_m.z});
   cube_m_ = std::max({longest_m / kCubes, 2.0 * double{quantile(radii_m, 0.5)}, 1e-9});
   count_ = glm::max(glm::ivec3(glm::ceil(size_m / cube_m_)), 1);
   full_.assign(std::size_t(count_.x) * std::size_t(count_.y) * std::size_t(count_.z), 0);
-  for (std::size_t i = 0; i < positions_m.size(); ++i) {
-    const glm::dvec3 p(positions_m[i]);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::dvec3 p(cloud.position_m[i]);
     if (opacityOf(cloud, i) < kLeastOpacity) continue;
-    if (!glm::all(glm::lessThanEqual(low_m, p)) || !glm::all(glm::lessThanEqual(p, high_m))) {
+    if (!glm::all(glm::lessThanEqual(low_m_, p)) || !glm::all(glm::lessThanEqual(p, high_m))) {
       continue;
     }
     const glm::ivec3 at = glm::min(glm::ivec3((p - low_m_) / cube_m_), count_ - 1);

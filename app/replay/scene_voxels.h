@@ -6,21 +6,19 @@
 #include <optional>
 #include <vector>
 
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
 /// Radius of a disc about a surfel or Gaussian, so that discs cover the surface.
 float coveringRadius_m(const SurfelCloud& cloud, std::size_t i);
-
-/// Of a surfel or Gaussian.
-float opacityOf(const SurfelCloud& cloud, std::size_t i);
+float coveringRadius_m(const GaussianCloud& cloud, std::size_t i);
 
 class SceneVoxels {
  public:
   /// The cubes are a share of the box's longest side, and at least as wide as discs.
   /// @param low_m, high_m  what lies outside is left out
-  SceneVoxels(const SurfelCloud& cloud, const glm::dvec3& low_m, const glm::dvec3& high_m);
+  SceneVoxels(const Scene& scene, const glm::dvec3& low_m, const glm::dvec3& high_m);
 
   /// Walks from cube to cube (Amanatides and Woo, 1987).
   /// @param direction  unit
@@ -30,6 +28,7 @@ class SceneVoxels {
   double cube_m() const { return cube_m_; }
 
  private:
+  void fill(const auto& cloud, const glm::dvec3& high_m);
   std::size_t indexOf(const glm::ivec3& at) const {
     return (std::size_t(at.z) * std::size_t(count_.y) + std::size_t(at.y)) * std::size_t(count_.x) +
            std::size_t(at.x);

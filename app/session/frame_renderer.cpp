@@ -91,7 +91,7 @@ Method& FrameRenderer::methodNamed(const std::string& spec) {
 
 Method& FrameRenderer::made(const std::string& name) {
   std::unique_ptr<Method>& method = methods_[name];
-  if (!method) method = makeMethod(name, *cloud_, gpu_);
+  if (!method) method = makeMethod(name, *scene_, gpu_);
   return *method;
 }
 
@@ -114,12 +114,12 @@ void FrameRenderer::onAnyDevice(const Action& action) {
 
 std::string FrameRenderer::deviceOf(const std::string& spec) const {
   const std::string name(qualityLevelFrom(spec) ? kAutoMethod : spec);
-  if (gpu_ && rendersOnGpu(name, *cloud_)) return gpu_->text();
+  if (gpu_ && rendersOnGpu(name, *scene_)) return gpu_->text();
   return std::string("the CPU, ") + simdTarget();
 }
 
 FrameRenderer FrameRenderer::cloneSharingScene() const {
-  FrameRenderer other(*cloud_, gpu_);
+  FrameRenderer other(*scene_, gpu_);
   other.gpu_failure_ = gpu_failure_;
   for (const auto& [name, method] : methods_) {
     if (auto its = method->cloneSharingScene()) other.methods_[name] = std::move(its);

@@ -13,7 +13,7 @@
 #include "render/gl/texture.h"
 #include "render/image/frame.h"
 #include "render/methods/method.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -66,8 +66,8 @@ class FrameRenderer {
  public:
   /// @param cloud  outlives it
   /// @param gpu  renders the methods that can (`rendersOnGpu`); null: the CPU renders
-  explicit FrameRenderer(const SurfelCloud& cloud, SharedGpu gpu = nullptr)
-      : cloud_(&cloud), gpu_(std::move(gpu)) {}
+  explicit FrameRenderer(const Scene& scene, SharedGpu gpu = nullptr)
+      : scene_(&scene), gpu_(std::move(gpu)) {}
 
   /// Renders into `rendered.frame`, and fills the rest.
   void render(const RenderRequest& request, RenderedFrame& rendered);
@@ -108,7 +108,7 @@ class FrameRenderer {
   Method& methodNamed(const std::string& spec);
 
   /// Whether a GPU can render the method in this scene.
-  bool suitsGpu(const std::string& spec) const { return rendersOnGpu(spec, *cloud_); }
+  bool suitsGpu(const std::string& spec) const { return rendersOnGpu(spec, *scene_); }
 
   /// What renders a method, for people: the GPU and its driver, or the CPU.
   std::string deviceOf(const std::string& spec) const;
@@ -130,7 +130,7 @@ class FrameRenderer {
   void onLayers(RenderedFrame& rendered, const Action& action);
   void renderAgain(const GpuError& error, RenderedFrame& rendered);
 
-  const SurfelCloud* cloud_;
+  const Scene* scene_;
   SharedGpu gpu_;
   std::string gpu_failure_;
   std::map<std::string, std::unique_ptr<Method>> methods_;

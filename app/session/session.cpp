@@ -45,15 +45,14 @@ std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,
   return pointOnScreen_px(to, lineOfSight(from, point_px));
 }
 
-Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
-                 const Screen& gaze_screen, double rate_Hz, double start_s,
-                 const SharedGpu& window_gpu)
+Session::Session(const SessionSettings& settings, const Scene& scene, const Screen& gaze_screen,
+                 double rate_Hz, double start_s, const SharedGpu& window_gpu)
     : settings_(checked(settings)),
       gaze_screen_(gaze_screen),
       rate_Hz_(rate_Hz),
       start_s_(start_s),
-      query_(cloud),
-      renderer_(cloud, openDevice(settings.device, window_gpu)),
+      query_(scene),
+      renderer_(scene, openDevice(settings.device, window_gpu)),
       follower_(newFollower()),
       pupil_(settings) {
   renderer_.methodNamed(settings.method);  // it may take seconds to make, so before the first frame

@@ -17,20 +17,20 @@
 #include "render/image/frame.h"
 #include "render/lod/surface_query.h"
 #include "render/methods/method.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
 class Session {
  public:
-  /// @param cloud        outlives the session
+  /// @param scene        outlives the session
   /// @param gaze_screen  that the samples are on
   /// @param rate_Hz      of the samples, nominal
   /// @param start_s      time of the first sample: the path of the eye begins there
   /// @param window_gpu   of the window that shows the frames; preferred to other GPUs, because its
   ///                     frames can stay on it. Null: there is none
   /// @throws InputError as `checkSettings`
-  Session(const SessionSettings& settings, const SurfelCloud& cloud, const Screen& gaze_screen,
+  Session(const SessionSettings& settings, const Scene& scene, const Screen& gaze_screen,
           double rate_Hz, double start_s, const SharedGpu& window_gpu = nullptr);
 
   /// As if it had just been made, at `start_s`, with the settings as they are now.

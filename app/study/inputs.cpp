@@ -119,22 +119,13 @@ EyePose builtinPose(const Study& study) {
   return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
 }
 
-void addRemarks(const std::filesystem::path& file, const OpenedScene& scene, Warnings& warnings) {
-  if (scene.dropped > 0) {
-    warnings.add(file.string(),
-                 counted(scene.dropped, scene.cloud.gaussians ? "Gaussian" : "point") +
-                     " left out: not finite, or farther than 1e9 units from the origin");
-  }
-  warnings.addAll(file.string(), scene.remarks);
-}
-
 namespace {
 
 /// @param eye_m     in the frame of the file
 /// @param cached    whether surfels are kept for other runs
 /// @param fineness  of a streamed scene
-SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, bool cached,
-                   Warnings& warnings, const Fineness& fineness = {}) {
+Scene opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, bool cached,
+             Warnings& warnings, const Fineness& fineness = {}) {
   const std::filesystem::path path = file.path;
   const auto folder = cached ? SceneCache::userFolder() : std::nullopt;
   SurfelStore store;
@@ -144,9 +135,9 @@ SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, boo
     };
   }
   OpenedScene scene = openScene(std::move(file), scale_m, eye_m, fineness, store);
-  addRemarks(path, scene, warnings);
+  warnings.addAll(path.string(), scene.remarks);
   // The order of their tree, which those of the cache have.
-  return scene.cloud.gaussians ? std::move(scene.cloud) : withTree(std::move(scene.cloud));
+  return withSurfelTree(std::move(scene.scene));
 }
 
 glm::vec3 startOfEye_m(const Study& study) {
@@ -171,13 +162,13 @@ Fineness finenessOf(const Study& study) {
   };
 }
 
-SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file, Warnings& warnings) {
+Scene loadSceneFile(const Study& study, std::optional<SceneFile>&& file, Warnings& warnings) {
   if (!file) file = readScene(*study.scene.file);
   return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), study.scene.cache,
                 warnings, finenessOf(study));
 }
 
-SurfelCloud withParts(const Study& study, SurfelCloud scene, Warnings& warnings) {
+Scene withParts(const Study& study, Scene scene, Warnings& warnings) {
   // The file of the first Gaussians: they say how small ones are low-passed.
   std::string captured = study.scene.file ? study.scene.file->string() : study.scene.builtin;
   for (std::size_t i = 0; i < study.scene.parts.size(); ++i) {
@@ -194,42 +185,37 @@ SurfelCloud withParts(const Study& study, SurfelCloud scene, Warnings& warnings)
                                                 static_cast<float>(q.y), static_cast<float>(q.z))};
     const glm::vec3 eye_m =
         glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
-    SurfelCloud cloud =
-        opened(readScene(part.file), part.scale_m, eye_m, study.scene.cache, warnings);
-    if (!scene.gaussians) captured = part.file.string();
-    if (const auto remark = lowPassRemark(scene, captured, cloud, part.file.string())) {
+    Scene more = opened(readScene(part.file), part.scale_m, eye_m, study.scene.cache, warnings);
+    if (!scene.gaussians()) captured = part.file.string();
+    if (const auto remark = lowPassRemark(scene, captured, more, part.file.string())) {
       warnings.add(study.file.string(), *remark);
     }
-    scene = joined(std::move(scene), placed(std::move(cloud), place), part.file.stem().string());
+    scene = joined(std::move(scene), placed(std::move(more), place), part.file.stem().string());
   }
   return scene;
 }
 
-SurfelCloud builtinScene(const Study& study) {
-  return study.scene.builtin == "plane" ? makePlane() : makeGallery();
+Scene builtinScene(const Study& study) {
+  return {study.scene.builtin == "plane" ? makePlane() : makeGallery()};
 }
 
 /// The scene in the order of its tree, which all methods and the gaze's distance then share.
-SurfelCloud sorted(SurfelCloud scene) {
-  if (!scene.gaussians) return withTree(std::move(scene));
-  if (scene.gaussians->tree) return scene;
-  GaussianCloud cloud = *scene.gaussians;
-  scene.gaussians.reset();  // the unsorted scene takes as much memory as the sorted one
-  scene.gaussians = std::make_shared<const GaussianCloud>(withTree(std::move(cloud)));
-  return scene;
+Scene sorted(Scene scene) {
+  return std::visit([](auto&& cloud) { return Scene{withTree(std::move(cloud))}; },
+                    std::move(scene.splats));
 }
 
 }  // namespace
 
-SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> scene) {
-  SurfelCloud first =
-      study.scene.file ? loadSceneFile(study, std::move(scene), warnings) : builtinScene(study);
-  SurfelCloud cloud = withParts(study, std::move(first), warnings);
+Scene loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> file) {
+  Scene first =
+      study.scene.file ? loadSceneFile(study, std::move(file), warnings) : builtinScene(study);
+  Scene scene = withParts(study, std::move(first), warnings);
   if (study.scene.file || study.eye.position_m || !study.eye.path.empty() || study.eye.recorded) {
-    warnings.addAll(study.file.string(), viewRemarks(study, cloud));
+    warnings.addAll(study.file.string(), viewRemarks(study, scene));
   }
-  warnings.add(study.file.string(), memoryRemark(study, cloud));
-  return sorted(std::move(cloud));
+  warnings.add(study.file.string(), memoryRemark(study, scene));
+  return sorted(std::move(scene));
 }
 
 namespace {

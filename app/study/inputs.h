@@ -10,20 +10,17 @@
 #include "gaze/geometry/gaze_sample.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/io/open_scene.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
 /// The pose from which a built-in scene is seen if the study names none.
 EyePose builtinPose(const Study& study);
 
-/// Warns of what was left out of a scene's file, and adds its remarks.
-void addRemarks(const std::filesystem::path& file, const OpenedScene& scene, Warnings& warnings);
-
 /// Warns of what a user should know of the files, and of the place of the eye (view_remarks.h).
-/// @param scene  the study's scene file, if it has been read
+/// @param file  the study's scene file, if it has been read
 /// @throws InputError
-SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> scene = {});
+Scene loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> file = {});
 
 /// The recording that the study names, seen through its calibration. A simulated observer looks at
 /// the gallery's points of interest, in other scenes at points spread over the screen, until the

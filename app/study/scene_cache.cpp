@@ -149,9 +149,9 @@ SurfelCloud SceneCache::surfelsOf(const SurfelSource& source,
   const fs::path entry = folder_ / (keyOf(source) + kEnding);
   if (fs::exists(entry, failed)) {
     try {
-      PreparedScene found = readSceneFile(entry, kCheckAll_B);
+      auto found = std::get<SurfelCloud>(readSceneFile(entry, kCheckAll_B).scene.splats);
       fs::last_write_time(entry, fs::file_time_type::clock::now(), failed);
-      return std::move(found.cloud);
+      return found;
     } catch (const InputError&) {
       fs::remove(entry, failed);
     }
@@ -167,7 +167,7 @@ void SceneCache::keep(const fs::path& entry, const SurfelCloud& cloud) const {
   if (max_B > limits_.max_B || fs::space(folder_, failed).available < 2 * max_B || failed) return;
   const fs::path aside = entry.string() + "." + std::to_string(std::random_device()());
   try {
-    writeSceneFile(aside, {cloud, {}});
+    writeSceneFile(aside, {{cloud}, {}});
     makeRoom(fs::file_size(aside));
     fs::rename(aside, entry);
   } catch (const std::exception&) {  // the scene is there, whether it is kept or not

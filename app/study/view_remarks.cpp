@@ -21,12 +21,11 @@ constexpr int kBins = 8;             // along each side of a face of a cube arou
 constexpr float kReach = 3.0f;       // support of a surfel's kernel, standard deviations
 
 /// Whether any surfel may reach into the image.
-bool anyInView(const View& view, const SurfelCloud& cloud) {
+bool anyInView(const View& view, const auto& cloud) {
   const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
   const glm::vec2 across = glm::sqrt(1.0f + tangent * tangent);
-  const std::span<const glm::vec3> position_m = positionsOf(cloud);
-  for (std::size_t i = 0; i < position_m.size(); ++i) {
-    const glm::vec3 p(view.eye_from_world * glm::vec4(position_m[i], 1.0f));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 p(view.eye_from_world * glm::vec4(cloud.position_m[i], 1.0f));
     const float reach = kReach * largestSigma(cloud, i);
     if (-p.z + reach < view.near_m) continue;
     // Distances from the four planes through the eye and the borders of the image.
@@ -36,25 +35,29 @@ bool anyInView(const View& view, const SurfelCloud& cloud) {
   return false;
 }
 
+bool showsBack(const SurfelCloud& cloud, std::size_t i, const glm::vec3& from_eye) {
+  return cloud.oriented &&
+         glm::dot(glm::cross(cloud.axis_u_m[i], cloud.axis_v_m[i]), from_eye) > 0.0f;
+}
+bool showsBack(const GaussianCloud&, std::size_t, const glm::vec3&) { return false; }
+
 /// The nearest surfel in each direction around the eye, on the faces of a cube.
 class Surroundings {
  public:
-  Surroundings(const glm::vec3& eye_m, const SurfelCloud& cloud) {
+  Surroundings(const glm::vec3& eye_m, const auto& cloud) {
     distance_m_.fill(std::numeric_limits<float>::infinity());
-    const std::span<const glm::vec3> position_m = positionsOf(cloud);
-    for (std::size_t i = 0; i < position_m.size(); ++i) {
-      const glm::vec3 to = position_m[i] - eye_m;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const glm::vec3 to = cloud.position_m[i] - eye_m;
       const float distance = glm::length(to);
       if (!(distance > 0.0f)) continue;
       const std::size_t bin = binOf(to);
       if (distance >= distance_m_[bin]) continue;
       distance_m_[bin] = distance;
-      if (cloud.gaussians) continue;
-      back_[bin] = glm::dot(glm::cross(cloud.axis_u_m[i], cloud.axis_v_m[i]), to) > 0.0f;
+      back_[bin] = showsBack(cloud, i, to);
     }
   }
 
-  /// Share of directions in which a surfel is nearer, or shows its back.
+  /// Share of directions in which a surfel is nearer, or an oriented one shows its back.
   float shareNearer(float than_m) const {
     return shareWhere([&](std::size_t bin) { return distance_m_[bin] < than_m; });
   }
@@ -139,12 +142,13 @@ double spacingInView_px(const View& view, const SurfelCloud& cloud) {
 }
 
 /// Parts that are hardly wider than the distance of the surfels dissolve.
-std::string densityRemark(const Study& study, const SurfelCloud& cloud) {
+std::string densityRemark(const Study& study, const Scene& scene) {
   constexpr double kCoarse_px = 3.0, kMostPoints = 1e8;
-  if (!cloud.mesh) return "";
-  const double spacing_px = spacingInView_px(firstViewOf(study), cloud);
+  const SurfelCloud* const cloud = scene.surfels();
+  if (cloud == nullptr || !cloud->mesh) return "";
+  const double spacing_px = spacingInView_px(firstViewOf(study), *cloud);
   if (spacing_px <= kCoarse_px) return "";
-  const double needed = static_cast<double>(cloud.size()) * spacing_px * spacing_px;
+  const double needed = static_cast<double>(cloud->size()) * spacing_px * spacing_px;
   const double millions = std::ceil(std::min(needed, kMostPoints) / 1e6);
   return "surfels of the mesh are " + decimal(spacing_px, 0) +
          " px apart in view, and smaller parts dissolve: foci prepare --points " +
@@ -159,19 +163,20 @@ View firstViewOf(const Study& study) {
                            screen.size_m, screen.distance_m, screen.faced_m);
 }
 
-bool isSceneInView(const Study& study, const SurfelCloud& cloud) {
-  return anyInView(firstViewOf(study), cloud);
+bool isSceneInView(const Study& study, const Scene& scene) {
+  return std::visit([&](const auto& cloud) { return anyInView(firstViewOf(study), cloud); },
+                    scene.splats);
 }
 
-std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scene) {
-  const SurfelCloud outline = outlineOf(scene);
-  const SurfelCloud& cloud = outline.empty() ? scene : outline;
+std::vector<std::string> viewRemarks(const Study& study, const Scene& scene) {
+  const std::optional<Scene> outline = outlineOf(scene);
+  const Scene& seen = outline ? *outline : scene;
   const glm::vec3 eye_m(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
-  const SceneBox box = boxWithoutStrays(positionsOf(cloud));
+  const SceneBox box = boxWithoutStrays(seen.position_m());
   std::vector<std::string> remarks;
   if (std::string remark = sizeRemark(study, box); !remark.empty())
     remarks.push_back(std::move(remark));
-  if (!isSceneInView(study, cloud)) {
+  if (!isSceneInView(study, seen)) {
     if (!remarks.empty() && box.longest() < kNarrowestScene_m) return remarks;  // that is why
     remarks.push_back("nothing is in view: the middle of the scene is at " +
                       pointText(box.middle()) + ", " +
@@ -185,23 +190,25 @@ std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scen
   }
   if (std::string remark = densityRemark(study, scene); !remark.empty())
     remarks.push_back(std::move(remark));
-  const Surroundings around(eye_m, cloud);
+  const auto aroundEye = [&](const auto& cloud) { return Surroundings(eye_m, cloud); };
+  const Surroundings around = std::visit(aroundEye, seen.splats);
   const std::string place = study.eye.recorded ? "gaze.scene_offset_m" : "eye.position_m";
   if (around.shareNearer(kTooNear_m) > kAround) {
     remarks.push_back("surfaces are nearer than 2 cm all around the eye: set " + place +
                       ", or scene.scale_m");
-  } else if (cloud.oriented && around.shareOfBacks() > kAround) {
+  } else if (around.shareOfBacks() > kAround) {
     remarks.push_back("the eye stands inside a solid: set " + place + ", with the eye outside of " +
                       pointText(box.low) + " to " + pointText(box.high));
   }
   return remarks;
 }
 
-std::string memoryRemark(const Study& study, const SurfelCloud& cloud, std::size_t large) {
+std::string memoryRemark(const Study& study, const Scene& scene, std::size_t large) {
   // Surfels and splats; measured with 20 million surfels, of which half are in view.
   constexpr double kBytesASurfel = 130.0;
-  const auto count = static_cast<double>(cloud.size());
-  if (cloud.size() <= large || methodInfo(study.render.method).lod) return "";
+  const SurfelCloud* const cloud = scene.surfels();
+  if (cloud == nullptr || cloud->size() <= large || methodInfo(study.render.method).lod) return "";
+  const auto count = static_cast<double>(cloud->size());
   return "render.method = \"" + study.render.method + "\" renders each of " +
          decimal(count / 1e6, 1) + " million surfels and takes about " +
          decimal(count * kBytesASurfel / 1e9, 1) +

@@ -179,7 +179,7 @@ class Traversal {
     surfels_.axis_u_m[i] = cloud_.axis_u_m[surfel];
     surfels_.axis_v_m[i] = cloud_.axis_v_m[surfel];
     surfels_.color[i] = cloud_.color[surfel];
-    surfels_.opacity[i] = cloud_.opacity.empty() ? 1.0f : cloud_.opacity[surfel];
+    surfels_.opacity[i] = opacityOf(cloud_, surfel);
     surfels_.area_m2[i] = cloud_.area_m2[surfel];
     if (surfels_.count == Batch::kMax) flush(surfels_, false);
   }

@@ -21,7 +21,7 @@ using Sums = NodeSums;
 Sums sumsOf(const SurfelCloud& cloud, std::size_t i) {
   Sums sums;
   const glm::dvec3 u(cloud.axis_u_m[i]), v(cloud.axis_v_m[i]);
-  const double opacity = cloud.opacity.empty() ? 1.0 : double{cloud.opacity[i]};
+  const double opacity = double{opacityOf(cloud, i)};
   sums.area = cloud.area_m2[i];
   sums.opaque_area = sums.area * opacity;
   sums.weight =
@@ -264,6 +264,13 @@ SurfelCloud withTree(SurfelCloud cloud) {
   return sorted;
 }
 
+Scene withSurfelTree(Scene scene) {
+  if (auto* const surfels = std::get_if<SurfelCloud>(&scene.splats)) {
+    *surfels = withTree(std::move(*surfels));
+  }
+  return scene;
+}
+
 std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud) {
   auto tree = builtTree(cloud);
   return tree ? tree : std::make_shared<const MomentTree>(cloud);
@@ -307,12 +314,13 @@ void MomentTree::findFacing() {
   }
 }
 
-SurfelCloud outlineOf(const SurfelCloud& cloud, std::size_t large) {
+std::optional<Scene> outlineOf(const Scene& scene, std::size_t large) {
   constexpr int kLevel = 16;
-  SurfelCloud outline;
-  const std::shared_ptr<const MomentTree> built = builtTree(cloud);
-  if (!built || cloud.size() <= large) return outline;
+  const SurfelCloud* const cloud = scene.surfels();
+  const auto built = cloud != nullptr ? builtTree(*cloud) : nullptr;
+  if (!built || cloud->size() <= large) return std::nullopt;
   const MomentTree& tree = *built;
+  SurfelCloud outline;
   const std::size_t first = std::size_t{1} << std::min(kLevel, tree.levels() - 1);
   for (std::size_t i = first; i < 2 * first; ++i) {
     const LodNode& node = tree.nodes()[i];
@@ -320,8 +328,8 @@ SurfelCloud outlineOf(const SurfelCloud& cloud, std::size_t large) {
                  node.density * node.trace_m2(), node.color,
                  static_cast<float>(node.opacity) * (1.0f / 65535.0f));
   }
-  outline.oriented = cloud.oriented;
-  return outline;
+  outline.oriented = cloud->oriented;
+  return Scene{std::move(outline)};
 }
 
 }  // namespace foci

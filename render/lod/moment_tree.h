@@ -8,12 +8,13 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "render/lod/back_faces.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 #include "render/scene/tree_order.h"
 
 namespace foci {
@@ -160,6 +161,9 @@ std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud);
 /// The cloud in the order of its tree, with the tree. The cloud itself where it has one.
 SurfelCloud withTree(SurfelCloud cloud);
 
+/// The same of a scene. Gaussians stay as they are.
+Scene withSurfelTree(Scene scene);
+
 /// The cloud's tree, or a new one.
 std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud);
 
@@ -167,7 +171,7 @@ std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud);
 inline constexpr std::size_t kLargeScene = std::size_t{1} << 24;
 
 /// The nodes of a middle level of the tree as round surfels. Each reaches as far as its node at
-/// three standard deviations. Empty if the scene is not large, or has no tree.
-SurfelCloud outlineOf(const SurfelCloud& cloud, std::size_t large = kLargeScene);
+/// three standard deviations. Absent if the scene is not large, or has no tree.
+std::optional<Scene> outlineOf(const Scene& scene, std::size_t large = kLargeScene);
 
 }  // namespace foci

@@ -128,7 +128,7 @@ struct Cone : ConeFrame {
     } else if (const float q = mahalanobis / (2.0f * (n + 2.0f)); q < 1.0f) {
       kernel = gauss * (n + 1.0f) / (n + 2.0f) * std::pow(1.0f - q, n);
     }
-    const float opacity = cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
+    const float opacity = opacityOf(cloud, i);
     return Share{depth, depth - half_range, depth + half_range,
                  static_cast<double>(opacity * area * kernel)};
   }
@@ -138,54 +138,58 @@ struct Cone : ConeFrame {
 
 /// A complete binary tree. Node k has the children 2k and 2k + 1; the root is 1. The nodes of the
 /// last level, from `leaves` on, hold surfels.
-struct SurfaceQuery::Impl {
-  explicit Impl(const SurfelCloud& surfels) : cloud(surfels), tree(builtTree(surfels)) {
-    if (tree) {
-      leaves = tree->nodes().size() / 2;
-      return;
-    }
-    order = mortonOrder(positionsOf(surfels));
-    buildNodes();
+class SurfaceQuery::Impl {
+ public:
+  virtual ~Impl() = default;
+  /// @param met  gets what the cone meets, with shares that need not sum to one; null: not wanted
+  virtual std::optional<double> distance(const Cone& cone, double needed,
+                                         std::vector<SurfelShare>* met) const = 0;
+  /// Adds what a hit tells of surfaces.
+  virtual void addSurface(const glm::dvec3& direction, SurfaceHit& hit) const = 0;
+
+ protected:
+  explicit Impl(std::shared_ptr<const MomentTree> tree) : tree_(std::move(tree)) {
+    if (tree_) leaves_ = tree_->nodes().size() / 2;
   }
 
-  void buildNodes() {
-    leaves =
-        std::bit_ceil(std::max<std::size_t>((order.size() + kLeafSurfels - 1) / kLeafSurfels, 1));
-    std::vector<Box> boxes(2 * leaves);
-    const std::span<const glm::vec3> position_m = positionsOf(cloud);
-    parallelFor(leaves, [&](std::size_t leaf) {
-      Box& box = boxes[leaves + leaf];
-      const std::size_t end = std::min((leaf + 1) * kLeafSurfels, order.size());
+  void buildNodes(const auto& cloud) {
+    order_ = mortonOrder(cloud.position_m);
+    leaves_ =
+        std::bit_ceil(std::max<std::size_t>((order_.size() + kLeafSurfels - 1) / kLeafSurfels, 1));
+    std::vector<Box> boxes(2 * leaves_);
+    parallelFor(leaves_, [&](std::size_t leaf) {
+      Box& box = boxes[leaves_ + leaf];
+      const std::size_t end = std::min((leaf + 1) * kLeafSurfels, order_.size());
       for (std::size_t at = leaf * kLeafSurfels; at < end; ++at) {
-        const glm::vec3 p = position_m[order[at]];
-        const glm::vec3 reach(kReach * largestSigma(cloud, order[at]));
+        const glm::vec3 p = cloud.position_m[order_[at]];
+        const glm::vec3 reach(kReach * largestSigma(cloud, order_[at]));
         box.add(p - reach, p + reach);
       }
     });
-    for (std::size_t i = leaves; i-- > 1;) {
+    for (std::size_t i = leaves_; i-- > 1;) {
       boxes[i].add(boxes[2 * i].low, boxes[2 * i].high);
       boxes[i].add(boxes[2 * i + 1].low, boxes[2 * i + 1].high);
     }
-    nodes.resize(boxes.size());
+    nodes_.resize(boxes.size());
     parallelFor(boxes.size(), [&](std::size_t i) {
       const Box& box = boxes[i];
       if (box.low.x <= box.high.x) {
-        nodes[i] = {0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)};
+        nodes_[i] = {0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)};
       }
     });
   }
 
   Sphere sphereOf(std::size_t node) const {
-    if (!tree) return nodes[node];
-    const LodNode& of = tree->nodes()[node];
+    if (!tree_) return nodes_[node];
+    const LodNode& of = tree_->nodes()[node];
     return {of.position_m, of.radius_m};
   }
 
-  /// The surfels of a leaf, as places in `order`, or by their numbers where the scene has a tree.
+  /// The surfels of a leaf, as places in `order_`, or by their numbers where the scene has a tree.
   std::pair<std::size_t, std::size_t> rangeOf(std::size_t node) const {
-    if (tree) return tree->range(tree->levels() - 1, node - leaves);
-    const std::size_t begin = (node - leaves) * kLeafSurfels;
-    return {begin, std::min(begin + kLeafSurfels, order.size())};
+    if (tree_) return tree_->range(tree_->levels() - 1, node - leaves_);
+    const std::size_t begin = (node - leaves_) * kLeafSurfels;
+    return {begin, std::min(begin + kLeafSurfels, order_.size())};
   }
 
   /// Walks the tree in order of distance. `meet(i)` is what the cone meets of surfel i, beginning
@@ -214,14 +218,14 @@ struct SurfaceQuery::Impl {
       const bool is_surfel = visit.met != kNode;
       if (!take(visit, is_surfel ? &met[visit.met] : nullptr)) return;
       if (is_surfel) continue;
-      if (visit.id < leaves) {
+      if (visit.id < leaves_) {
         pushNode(2 * std::size_t{visit.id});
         pushNode(2 * std::size_t{visit.id} + 1);
         continue;
       }
       const auto [begin, end] = rangeOf(visit.id);
       for (std::size_t at = begin; at < end; ++at) {
-        const std::uint32_t i = tree ? static_cast<std::uint32_t>(at) : order[at];
+        const std::uint32_t i = tree_ ? static_cast<std::uint32_t>(at) : order_[at];
         if (const auto each = meet(i)) {
           push({each->near_m, i, static_cast<std::uint32_t>(met.size())});
           met.push_back(*each);
@@ -230,9 +234,24 @@ struct SurfaceQuery::Impl {
     }
   }
 
-  /// @param surface  gets the surfels of the surface with their coverage; null: not wanted
-  std::optional<double> distanceToSurfels(const Cone& cone, double needed,
-                                          std::vector<SurfelShare>* surface) const {
+ private:
+  std::shared_ptr<const MomentTree> tree_;  // null: `order_` and `nodes_` replace it
+  std::vector<std::uint32_t> order_;
+  std::size_t leaves_ = 1;
+  std::vector<Sphere> nodes_;
+};
+
+namespace {
+
+class SurfelQuery final : public SurfaceQuery::Impl {
+ public:
+  explicit SurfelQuery(const SurfelCloud& surfels) : Impl(builtTree(surfels)), cloud(surfels) {
+    if (!builtTree(surfels)) buildNodes(surfels);
+  }
+
+  /// The surfels of the surface are met, with their coverage.
+  std::optional<double> distance(const Cone& cone, double needed,
+                                 std::vector<SurfelShare>* surface) const override {
     // Surfels come in order of their near ends, so a layer is a running union of depth ranges.
     double covered = 0.0, vergence = 0.0;
     float layer_far_m = std::numeric_limits<float>::lowest();
@@ -260,17 +279,35 @@ struct SurfaceQuery::Impl {
     return covered / vergence;
   }
 
-  /// Where the opacity of what lies in front reaches `needed`.
-  /// @param surface  gets the Gaussians up to full coverage, with what each adds to the opacity;
-  ///                 null: not wanted
-  std::optional<double> distanceToGaussians(const Cone& cone, double needed,
-                                            std::vector<SurfelShare>* surface) const {
+  void addSurface(const glm::dvec3& direction, SurfaceHit& hit) const override {
+    glm::dvec3 normal(0.0);
+    for (SurfelShare& each : hit.surfels) {
+      each.per_m2 = each.share / static_cast<double>(cloud.area_m2[each.surfel]);
+      const glm::dvec3 own = glm::normalize(glm::cross(glm::dvec3(cloud.axis_u_m[each.surfel]),
+                                                       glm::dvec3(cloud.axis_v_m[each.surfel])));
+      normal += (glm::dot(own, direction) > 0.0 ? -each.share : each.share) * own;
+    }
+    if (normal != glm::dvec3(0.0)) hit.normal = glm::normalize(normal);
+  }
+
+ private:
+  const SurfelCloud& cloud;
+};
+
+class GaussianQuery final : public SurfaceQuery::Impl {
+ public:
+  explicit GaussianQuery(const GaussianCloud& gaussians) : Impl(nullptr), cloud(gaussians) {
+    buildNodes(gaussians);
+  }
+
+  /// Where the opacity of what lies in front reaches `needed`. The Gaussians up to full coverage
+  /// are met, with what each adds to the opacity.
+  std::optional<double> distance(const Cone& cone, double needed,
+                                 std::vector<SurfelShare>* surface) const override {
     ConeOpacity opacity(cone.radius);
     std::optional<double> distance_m;
     double before = 0.0;
-    const auto meet = [&](std::size_t i) {
-      return gaussianInCone(cone, *cloud.gaussians, i, kNearest_m);
-    };
+    const auto meet = [&](std::size_t i) { return gaussianInCone(cone, cloud, i, kNearest_m); };
     walk<GaussianInCone>(cone, meet, [&](const Visit& visit, const GaussianInCone* gaussian) {
       if (!gaussian) return true;
       opacity.add(*gaussian);
@@ -285,14 +322,21 @@ struct SurfaceQuery::Impl {
     return distance_m;
   }
 
-  const SurfelCloud& cloud;
-  std::shared_ptr<const MomentTree> tree;  // null: `order` and `nodes` replace it
-  std::vector<std::uint32_t> order;
-  std::size_t leaves = 1;
-  std::vector<Sphere> nodes;
+  void addSurface(const glm::dvec3& /*direction*/, SurfaceHit& /*hit*/) const override {}
+
+ private:
+  const GaussianCloud& cloud;
 };
 
-SurfaceQuery::SurfaceQuery(const SurfelCloud& cloud) : impl_(std::make_unique<Impl>(cloud)) {}
+}  // namespace
+
+SurfaceQuery::SurfaceQuery(const SurfelCloud& cloud)
+    : impl_(std::make_unique<SurfelQuery>(cloud)) {}
+SurfaceQuery::SurfaceQuery(const GaussianCloud& cloud)
+    : impl_(std::make_unique<GaussianQuery>(cloud)) {}
+SurfaceQuery::SurfaceQuery(const Scene& scene)
+    : SurfaceQuery(
+          std::visit([](const auto& cloud) { return SurfaceQuery(cloud); }, scene.splats)) {}
 SurfaceQuery::~SurfaceQuery() = default;
 SurfaceQuery::SurfaceQuery(SurfaceQuery&&) noexcept = default;
 SurfaceQuery& SurfaceQuery::operator=(SurfaceQuery&&) noexcept = default;
@@ -304,36 +348,25 @@ std::optional<double> SurfaceQuery::distance(const glm::dvec3& origin_m,
   assert(coverage > 0.0 && coverage <= 1.0);
   const Cone cone(origin_m, direction, half_angle_rad);
   const double needed = std::min(coverage, kFullCoverage);
-  return impl_->cloud.gaussians ? impl_->distanceToGaussians(cone, needed, nullptr)
-                                : impl_->distanceToSurfels(cone, needed, nullptr);
+  return impl_->distance(cone, needed, nullptr);
 }
 
 std::optional<SurfaceHit> SurfaceQuery::hit(const glm::dvec3& origin_m, const glm::dvec3& direction,
                                             double half_angle_rad, double coverage) const {
-  const SurfelCloud& cloud = impl_->cloud;
   assert(half_angle_rad > 0.0 && half_angle_rad < glm::quarter_pi<double>());
   assert(coverage > 0.0 && coverage <= 1.0);
   const Cone cone(origin_m, direction, half_angle_rad);
   const double needed = std::min(coverage, kFullCoverage);
   SurfaceHit hit;
-  const auto distance_m = cloud.gaussians ? impl_->distanceToGaussians(cone, needed, &hit.surfels)
-                                          : impl_->distanceToSurfels(cone, needed, &hit.surfels);
+  const auto distance_m = impl_->distance(cone, needed, &hit.surfels);
   if (!distance_m) return std::nullopt;
   hit.distance_m = *distance_m;
   std::sort(hit.surfels.begin(), hit.surfels.end(),
             [](const SurfelShare& a, const SurfelShare& b) { return a.surfel < b.surfel; });
   double sum = 0.0;
   for (const SurfelShare& each : hit.surfels) sum += each.share;
-  glm::dvec3 normal(0.0);
-  for (SurfelShare& each : hit.surfels) {
-    each.share /= sum;
-    if (cloud.gaussians) continue;
-    each.per_m2 = each.share / static_cast<double>(cloud.area_m2[each.surfel]);
-    const glm::dvec3 own = glm::normalize(glm::cross(glm::dvec3(cloud.axis_u_m[each.surfel]),
-                                                     glm::dvec3(cloud.axis_v_m[each.surfel])));
-    normal += (glm::dot(own, direction) > 0.0 ? -each.share : each.share) * own;
-  }
-  if (normal != glm::dvec3(0.0)) hit.normal = glm::normalize(normal);
+  for (SurfelShare& each : hit.surfels) each.share /= sum;
+  impl_->addSurface(direction, hit);
   return hit;
 }
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -28,10 +28,12 @@ struct SurfaceHit {
   std::vector<SurfelShare> surfels{};  ///< by number
 };
 
-/// Answers queries against a fixed cloud, which must outlive it. Thread-safe once built.
+/// Answers queries against a fixed scene, which must outlive it. Thread-safe once built.
 class SurfaceQuery {
  public:
+  explicit SurfaceQuery(const Scene& scene);
   explicit SurfaceQuery(const SurfelCloud& cloud);
+  explicit SurfaceQuery(const GaussianCloud& cloud);
   ~SurfaceQuery();
   SurfaceQuery(SurfaceQuery&&) noexcept;
   SurfaceQuery& operator=(SurfaceQuery&&) noexcept;
@@ -64,8 +66,9 @@ class SurfaceQuery {
   std::optional<SurfaceHit> hit(const glm::dvec3& origin_m, const glm::dvec3& direction,
                                 double half_angle_rad, double coverage) const;
 
+  class Impl;
+
  private:
-  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

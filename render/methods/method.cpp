@@ -223,32 +223,41 @@ std::optional<std::string> expectedMethod(std::string_view spec) {
   return choice.entry ? std::nullopt : std::optional(choice.expected);
 }
 
-std::vector<std::string_view> methodsFor(const SurfelCloud& cloud) {
+std::vector<std::string_view> methodsFor(const Scene& scene) {
   std::vector<std::string_view> names;
   for (const MethodInfo& method : methods()) {
-    if (!cloud.gaussians || method.gaussians) names.push_back(method.name);
+    if (scene.surfels() || method.gaussians) names.push_back(method.name);
   }
   return names;
 }
 
-bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud) {
-  const Choice choice = parse(spec);
-  assert(choice.entry);
-  return cloud.gaussians ? choice.entry->make_of_gaussians != nullptr : choice.entry->info.gpu;
+bool rendersOnGpu(std::string_view spec, const Scene& scene) {
+  const MethodInfo& info = methodInfo(spec);
+  return scene.surfels() ? info.gpu : info.gaussians;
 }
 
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,
                                    const SharedGpu& gpu) {
   const Choice choice = parse(spec);
   assert(choice.entry);
-  const SharedGpu its_gpu = rendersOnGpu(spec, cloud) ? gpu : nullptr;
-  if (!cloud.gaussians) return choice.entry->make(cloud, choice.n, its_gpu);
+  return choice.entry->make(cloud, choice.n, choice.entry->info.gpu ? gpu : nullptr);
+}
+
+std::unique_ptr<Method> makeMethod(std::string_view spec, const GaussianCloud& cloud,
+                                   const SharedGpu& gpu) {
+  const Choice choice = parse(spec);
+  assert(choice.entry);
   if (choice.entry->make_of_gaussians != nullptr) {
-    return choice.entry->make_of_gaussians(*cloud.gaussians, choice.n, its_gpu);
+    return choice.entry->make_of_gaussians(cloud, choice.n, gpu);
   }
   throw InputError("method " + std::string(spec),
                    "renders surfaces, and the scene holds Gaussians: expected one of ",
-                   listed(methodsFor(cloud)));
+                   listed(methodsFor(Scene{GaussianCloud{}})));
+}
+
+std::unique_ptr<Method> makeMethod(std::string_view spec, const Scene& scene,
+                                   const SharedGpu& gpu) {
+  return std::visit([&](const auto& cloud) { return makeMethod(spec, cloud, gpu); }, scene.splats);
 }
 
 }  // namespace foci

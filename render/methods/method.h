@@ -17,8 +17,7 @@
 #include "render/optics/defocus.h"
 #include "render/optics/pupil.h"
 #include "render/optics/view.h"
-#include "render/scene/gaussian_cloud.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -194,19 +193,23 @@ const MethodInfo& methodInfo(std::string_view spec);
 
 /// Whether a GPU can render the scene by the method: `MethodInfo::gpu`, or `gaussians` for a scene
 /// of these.
-bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud);
+bool rendersOnGpu(std::string_view spec, const Scene& scene);
 
 /// Names of the methods that render the scene, in the order of `methods`.
-std::vector<std::string_view> methodsFor(const SurfelCloud& cloud);
+std::vector<std::string_view> methodsFor(const Scene& scene);
 
 /// What was expected in place of an invalid `spec`; nullopt where `spec` is valid.
 std::optional<std::string> expectedMethod(std::string_view spec);
 
-/// @param cloud  must outlive the method
-/// @throws InputError if the cloud holds Gaussians and the method renders surfaces only
+/// @param scene  must outlive the method
+/// @throws InputError if the scene holds Gaussians and the method renders surfaces only
 /// @param gpu    renders where the method can (`rendersOnGpu`). The method then throws GpuError
 ///               where the GPU fails or lacks memory, here and in `render`.
+std::unique_ptr<Method> makeMethod(std::string_view spec, const Scene& scene,
+                                   const SharedGpu& gpu = nullptr);
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,
+                                   const SharedGpu& gpu = nullptr);
+std::unique_ptr<Method> makeMethod(std::string_view spec, const GaussianCloud& cloud,
                                    const SharedGpu& gpu = nullptr);
 
 }  // namespace foci

@@ -2,6 +2,7 @@
 // Field Rendering, 2023): volumes that are composited front to back, not samples of surfaces.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -64,6 +65,13 @@ struct GaussianCloud {
   /// Numbers in `harmonics` for one Gaussian.
   std::size_t harmonicsPerGaussian() const { return 3 * std::size_t(harmonicsOf(degree)); }
 };
+
+inline float opacityOf(const GaussianCloud& cloud, std::size_t i) { return cloud.opacity[i]; }
+
+/// An upper bound of the standard deviation along any axis.
+inline float largestSigma(const GaussianCloud& cloud, std::size_t i) {
+  return std::sqrt(traceOf(cloud.covariance_m2[i]));
+}
 
 /// Covariance of a Gaussian with the standard deviations `sigma` along the axes of a rotation.
 /// @param rotation  quaternion (x, y, z, w) of unit length

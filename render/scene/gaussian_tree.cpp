@@ -95,6 +95,7 @@ int gaussianTreeLevels(std::size_t n) {
 }
 
 GaussianCloud withTree(GaussianCloud cloud) {
+  if (cloud.tree) return cloud;
   const std::size_t n = cloud.size();
   assert(n > 0 && n < std::size_t{1} << 31);
   const auto tree = std::make_shared<GaussianTree>();

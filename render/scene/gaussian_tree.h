@@ -27,7 +27,8 @@ struct GaussianTree {
 /// Levels of the tree of `n` Gaussians, n > 0. Its nodes, with the unused first, are 2^levels.
 int gaussianTreeLevels(std::size_t n);
 
-/// The cloud in the order of its tree, with the tree. Deterministic at any number of threads.
+/// The cloud in the order of its tree, with the tree. The cloud itself where it has one.
+/// Deterministic at any number of threads.
 /// @param cloud  not empty, fewer than 2^31
 GaussianCloud withTree(GaussianCloud cloud);
 

@@ -1,10 +1,8 @@
 #include "render/scene/joined_scene.h"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
-#include "render/scene/gaussian_cloud.h"
 #include "render/scene/gaussian_merge.h"
 
 namespace foci {
@@ -22,14 +20,6 @@ void addOuter(Covariance3& v, const glm::vec3& a, float weight) {
   v.zz += weight * a.z * a.z;
 }
 
-/// Gaussians of either kind of scene, without a tree.
-GaussianCloud asGaussians(const SurfelCloud& scene) {
-  if (!scene.gaussians) return gaussiansOf(scene);
-  GaussianCloud cloud = *scene.gaussians;
-  cloud.tree.reset();
-  return cloud;
-}
-
 /// Gives all Gaussians harmonics of the degree; new ones are 0.
 void raiseDegree(GaussianCloud& cloud, int degree) {
   if (cloud.degree >= degree) return;
@@ -44,19 +34,6 @@ void raiseDegree(GaussianCloud& cloud, int degree) {
   cloud.harmonics = std::move(all);
 }
 
-SurfelCloud joinedGaussians(const SurfelCloud& scene, const SurfelCloud& part) {
-  GaussianCloud all = asGaussians(scene), more = asGaussians(part);
-  // Surfaces are no captures: the captured scene says how small Gaussians are low-passed.
-  if (!scene.gaussians) all.preserves_light = more.preserves_light;
-  const int degree = std::max(all.degree, more.degree);
-  raiseDegree(all, degree);
-  raiseDegree(more, degree);
-  append(all, more);
-  SurfelCloud joined;
-  joined.gaussians = std::make_shared<const GaussianCloud>(std::move(all));
-  return joined;
-}
-
 /// Appends the part's numbers, raised by `offset`; 0 stays 0.
 void appendNumbers(MappedVector<std::uint16_t>& to, std::size_t had,
                    const MappedVector<std::uint16_t>& from, std::size_t count, std::size_t offset,
@@ -68,27 +45,16 @@ void appendNumbers(MappedVector<std::uint16_t>& to, std::size_t had,
   }
 }
 
-}  // namespace
-
-SurfelCloud placed(SurfelCloud part, const Placement& place) {
-  const glm::mat3 rotation = glm::mat3_cast(place.rotation);
-  if (part.gaussians) {
-    GaussianCloud moved = *part.gaussians;
-    transform(moved, rotation, place.position_m);
-    part.gaussians = std::make_shared<const GaussianCloud>(std::move(moved));
-    return part;
-  }
-  for (glm::vec3& p : part.position_m) p = rotation * p + place.position_m;
-  for (auto* const axes : {&part.axis_u_m, &part.axis_v_m}) {
+void transform(SurfelCloud& cloud, const glm::mat3& rotation, const glm::vec3& offset) {
+  for (glm::vec3& p : cloud.position_m) p = rotation * p + offset;
+  for (auto* const axes : {&cloud.axis_u_m, &cloud.axis_v_m}) {
     for (glm::vec3& axis : *axes) axis = rotation * axis;
   }
-  part.mesh.reset();  // it stays where it was
-  completeBodies(part);
-  return part;
+  cloud.mesh.reset();  // it stays where it was
+  completeBodies(cloud);
 }
 
 SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name) {
-  if (scene.gaussians || part.gaussians) return joinedGaussians(scene, part);
   const std::size_t had = scene.size(), count = part.size();
   SceneObjects& objects = scene.objects;
   if (objects.names.empty()) objects.names = {""};
@@ -119,13 +85,40 @@ SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name)
   return scene;
 }
 
-std::optional<std::string> lowPassRemark(const SurfelCloud& scene, const std::string& scene_name,
-                                         const SurfelCloud& part, const std::string& part_name) {
-  if (!scene.gaussians || !part.gaussians ||
-      scene.gaussians->preserves_light == part.gaussians->preserves_light) {
-    return std::nullopt;
-  }
-  const bool preserves = scene.gaussians->preserves_light;
+}  // namespace
+
+Scene placed(Scene part, const Placement& place) {
+  const glm::mat3 rotation = glm::mat3_cast(place.rotation);
+  std::visit([&](auto& cloud) { transform(cloud, rotation, place.position_m); }, part.splats);
+  return part;
+}
+
+GaussianCloud joined(GaussianCloud cloud, GaussianCloud part) {
+  cloud.tree.reset();
+  const int degree = std::max(cloud.degree, part.degree);
+  raiseDegree(cloud, degree);
+  raiseDegree(part, degree);
+  append(cloud, part);
+  return cloud;
+}
+
+Scene joined(Scene scene, Scene part, const std::string& name) {
+  auto* const surfels = std::get_if<SurfelCloud>(&scene.splats);
+  auto* const more = std::get_if<SurfelCloud>(&part.splats);
+  if (surfels && more) return Scene{joined(std::move(*surfels), std::move(*more), name)};
+  GaussianCloud all =
+      surfels ? gaussiansOf(*surfels) : std::get<GaussianCloud>(std::move(scene.splats));
+  GaussianCloud added = more ? gaussiansOf(*more) : std::get<GaussianCloud>(std::move(part.splats));
+  // Surfaces are no captures: the captured scene says how small Gaussians are low-passed.
+  if (surfels) all.preserves_light = added.preserves_light;
+  return Scene{joined(std::move(all), std::move(added))};
+}
+
+std::optional<std::string> lowPassRemark(const Scene& scene, const std::string& scene_name,
+                                         const Scene& part, const std::string& part_name) {
+  const GaussianCloud *const first = scene.gaussians(), *const second = part.gaussians();
+  if (!first || !second || first->preserves_light == second->preserves_light) return std::nullopt;
+  const bool preserves = first->preserves_light;
   return scene_name + " and " + part_name +
          " were trained with different low-passes: both are rendered with that of " + scene_name +
          (preserves ? ", which preserves light" : ", which does not preserve light") +

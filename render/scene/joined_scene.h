@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -17,17 +17,20 @@ struct Placement {
 };
 
 /// Moves a part (`transform`).
-SurfelCloud placed(SurfelCloud part, const Placement& place);
+Scene placed(Scene part, const Placement& place);
 
 /// Both scenes in one. Where either holds Gaussians, surfels become flat Gaussians
-/// (`gaussiansOf`). The part is an object of that name, unless it has objects of its own.
-SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name);
+/// (`gaussiansOf`). A part of surfels is an object of that name, unless it has objects of its own.
+Scene joined(Scene scene, Scene part, const std::string& name);
+
+/// Without a tree, of the higher degree. The first says how small Gaussians are low-passed.
+GaussianCloud joined(GaussianCloud cloud, GaussianCloud part);
 
 /// What the user should know where captured scenes, which are then joined, were trained with
 /// different low-passes: `joined` keeps that of the first. Nothing where they agree, or one has
 /// surfels only.
-std::optional<std::string> lowPassRemark(const SurfelCloud& scene, const std::string& scene_name,
-                                         const SurfelCloud& part, const std::string& part_name);
+std::optional<std::string> lowPassRemark(const Scene& scene, const std::string& scene_name,
+                                         const Scene& part, const std::string& part_name);
 
 /// Flat Gaussians on the surfels. A surfel's kernel is widened by `kFlatWidening`, so that
 /// Gaussians composited front to back cover the surface: with samples on a grid less than 0.1 % of

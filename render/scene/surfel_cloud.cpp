@@ -4,17 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "render/scene/gaussian_cloud.h"
-
 namespace foci {
 
-std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud) {
-  if (cloud.gaussians) return cloud.gaussians->position_m;
-  return cloud.position_m;
-}
-
 float largestSigma(const SurfelCloud& cloud, std::size_t i) {
-  if (cloud.gaussians) return std::sqrt(traceOf(cloud.gaussians->covariance_m2[i]));
   return std::max(glm::length(cloud.axis_u_m[i]), glm::length(cloud.axis_v_m[i]));
 }
 

@@ -1,5 +1,5 @@
-// The scene: oriented Gaussian surfels (EWA surface splatting, Zwicker et al. 2001), the closed
-// bodies that they cover, and the objects that gaze meets.
+// Oriented Gaussian surfels (EWA surface splatting, Zwicker et al. 2001), the closed bodies that
+// they cover, and the objects that gaze meets.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,6 @@
 namespace foci {
 
 class MomentTree;
-struct GaussianCloud;
 struct SurfelCloud;
 struct TriangleMesh;
 
@@ -95,18 +94,15 @@ struct SurfelCloud {
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};
 
-  /// A captured scene of volumes in place of surfels, not empty: there are no surfels then. Null
-  /// for a scene of surfels.
-  std::shared_ptr<const GaussianCloud> gaussians = {};
-
   std::size_t size() const { return position_m.size(); }
   bool empty() const { return position_m.empty(); }
 };
 
-/// Positions of all surfels, or of all Gaussians.
-std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud);
+inline float opacityOf(const SurfelCloud& cloud, std::size_t i) {
+  return cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
+}
 
-/// Standard deviation of a surfel's basis along its longer axis; of a Gaussian, an upper bound.
+/// Standard deviation of a surfel's basis along its longer axis.
 float largestSigma(const SurfelCloud& cloud, std::size_t i);
 
 /// The least and the greatest coordinates of places, not empty.

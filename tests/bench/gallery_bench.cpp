@@ -30,14 +30,14 @@ void BM_GalleryReplay(benchmark::State& state) {
   study.output.seconds = {0.0, kSeconds};
   study.quality.foveated = state.range(0) != 0;
   if (state.range(1) != 0) study.quality.frame_ms = static_cast<double>(state.range(1));
-  static const SurfelCloud cloud = makeGallery(0.9f);
+  static const Scene scene{makeGallery(0.9f)};
   Warnings warnings;
   const GazeTrace trace = loadGaze(study, warnings);
 
   std::vector<double> all_ms, rendered_ms, splats, errors;
   for (auto _ : state) {
     const double start_s = trace.samples.front().time_s;
-    Session session(sessionSettingsOf(study), cloud, *trace.screen, trace.rate_Hz, start_s);
+    Session session(sessionSettingsOf(study), scene, *trace.screen, trace.rate_Hz, start_s);
     auto sample = trace.samples.begin();
     for (int i = 0; i < static_cast<int>(kSeconds * kFps); ++i) {
       const double time_s = start_s + i / kFps;
@@ -52,7 +52,7 @@ void BM_GalleryReplay(benchmark::State& state) {
       errors.push_back(record.stats.tolerance_error.value_or(0.0));
     }
   }
-  state.counters["surfels"] = static_cast<double>(cloud.size());
+  state.counters["surfels"] = static_cast<double>(scene.position_m().size());
   state.counters["splats"] = quantile(splats, 0.5);
   state.counters["error"] =
       quantile(errors, 0.5);  // just-noticeable differences, predicted by auto

@@ -143,8 +143,7 @@ void timeGallery(const std::shared_ptr<GpuDevice>& gpu, const glm::ivec2& size_p
 
 void timeGarden(const std::shared_ptr<GpuDevice>& gpu, const glm::ivec2& size_px, int discs_count,
                 int frames) {
-  const SurfelCloud cloud = makeGarden();
-  const GaussianCloud& gaussians = *cloud.gaussians;
+  const GaussianCloud gaussians = makeGarden();
   std::printf("\nscene      garden, %zu Gaussians; %d sub-apertures; %d x %d px; %d frames\n",
               gaussians.size(), discs_count, size_px.x, size_px.y, frames);
   const View view = viewFrom(gardenEyePose(), size_px);

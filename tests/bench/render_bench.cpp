@@ -25,13 +25,13 @@ namespace {
 
 struct BenchScene {
   const char* name;
-  SurfelCloud (*make)();
+  Scene (*make)();
   EyePose (*eye)();
 };
 
-constexpr BenchScene kGallery{"gallery", [] { return makeGallery(); }, galleryEyePose};
-constexpr BenchScene kStatue{"statue", makeStatue, statueEyePose};
-constexpr BenchScene kGarden{"garden", makeGarden, gardenEyePose};
+constexpr BenchScene kGallery{"gallery", [] { return Scene{makeGallery()}; }, galleryEyePose};
+constexpr BenchScene kStatue{"statue", [] { return Scene{makeStatue()}; }, statueEyePose};
+constexpr BenchScene kGarden{"garden", [] { return Scene{makeGarden()}; }, gardenEyePose};
 
 /// One frame: width of the image, focus and pupil.
 struct Case {
@@ -45,15 +45,15 @@ constexpr glm::dvec2 kScreen_m(0.5313, 0.2989);
 constexpr double kDistance_m = 0.6;
 
 /// Made once.
-const SurfelCloud& cloudOf(const BenchScene& scene) {
-  static std::map<const BenchScene*, SurfelCloud> clouds;
-  const auto found = clouds.find(&scene);
-  return found != clouds.end() ? found->second : clouds.emplace(&scene, scene.make()).first->second;
+const Scene& sceneOf(const BenchScene& scene) {
+  static std::map<const BenchScene*, Scene> made;
+  const auto found = made.find(&scene);
+  return found != made.end() ? found->second : made.emplace(&scene, scene.make()).first->second;
 }
 
 class FrameOf {
  public:
-  explicit FrameOf(const Case& of) : cloud_(cloudOf(of.scene)) {
+  explicit FrameOf(const Case& of) : scene_(sceneOf(of.scene)) {
     const EyePose pose = of.scene.eye();
     const glm::ivec2 size_px(of.width_px, of.width_px * 9 / 16);
     view_ = viewThroughScreen(eyeFromWorld(pose.position_m, pose.target_m, pose.up), size_px,
@@ -65,7 +65,7 @@ class FrameOf {
   }
 
   std::unique_ptr<Method> method(const char* name, const SharedGpu& gpu = nullptr) const {
-    return makeMethod(name, cloud_, gpu);
+    return makeMethod(name, scene_, gpu);
   }
 
   /// Renders one frame. Each call moves the image by a thousandth of a pixel,
@@ -104,7 +104,7 @@ class FrameOf {
   }
 
  private:
-  const SurfelCloud& cloud_;
+  const Scene& scene_;
   View view_;
   RenderSettings settings_;
   Frame frame_;

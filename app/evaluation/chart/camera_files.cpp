@@ -44,7 +44,7 @@ std::string nerfTransforms(const View& view, const std::string& image, const std
   return json.dump(1) + "\n";
 }
 
-ColmapModel colmapModel(const View& view, const std::string& image, const SurfelCloud& cloud) {
+ColmapModel colmapModel(const View& view, const std::string& image, const Scene& scene) {
   glm::dmat4 camera_from_eye(1.0);
   camera_from_eye[1].y = camera_from_eye[2].z = -1.0;
   const glm::dmat4 camera_from_world = camera_from_eye * glm::dmat4(view.eye_from_world);
@@ -59,18 +59,17 @@ ColmapModel colmapModel(const View& view, const std::string& image, const Surfel
                 textRow({turn.w, turn.x, turn.y, turn.z, shift_m.x, shift_m.y, shift_m.z}) + " 1 " +
                 image + "\n\n",
       .points3D = "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n"};
-  const auto positions_m = positionsOf(cloud);
-  const std::size_t step = std::max<std::size_t>(1, positions_m.size() / kPoints);
-  for (std::size_t i = 0; i < positions_m.size(); i += step) {
-    const glm::vec3& p = positions_m[i];
-    model.points3D += std::to_string(i / step + 1) + textRow({p.x, p.y, p.z});
-    for (int c = 0; c < 3; ++c) {
-      const float display = cloud.gaussians ? std::clamp(cloud.gaussians->color[i][c], 0.0f, 1.0f)
-                                            : srgbFromLinear(cloud.color[i][c]);
-      model.points3D += " " + std::to_string(std::lround(255.0f * display));
+  const auto addPoints = [&](const auto& cloud) {
+    const std::size_t step = std::max<std::size_t>(1, cloud.size() / kPoints);
+    for (std::size_t i = 0; i < cloud.size(); i += step) {
+      const glm::vec3& p = cloud.position_m[i];
+      model.points3D += std::to_string(i / step + 1) + textRow({p.x, p.y, p.z});
+      const glm::vec3 code = 255.0f * displayColorOf(cloud, i);
+      for (int c = 0; c < 3; ++c) model.points3D += " " + std::to_string(std::lround(code[c]));
+      model.points3D += " 0\n";
     }
-    model.points3D += " 0\n";
-  }
+  };
+  std::visit(addPoints, scene.splats);
   return model;
 }
 

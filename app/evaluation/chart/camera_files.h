@@ -4,7 +4,7 @@
 #include <string>
 
 #include "render/optics/view.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -19,6 +19,6 @@ struct ColmapModel {
 };
 
 /// @param cloud  a thousand of its points go to points3D.txt
-ColmapModel colmapModel(const View& view, const std::string& image, const SurfelCloud& cloud);
+ColmapModel colmapModel(const View& view, const std::string& image, const Scene& scene);
 
 }  // namespace foci

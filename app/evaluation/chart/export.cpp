@@ -61,7 +61,7 @@ std::string readmeOf(const std::string& scene, const std::string& name,
 Json mostBlurredPoint(const SceneInView& seen, const Defocus& lens) {
   Json found;
   float max_px = -1.0f;
-  for (const glm::vec3& p_world : positionsOf(seen.cloud)) {
+  for (const glm::vec3& p_world : seen.scene.position_m()) {
     const glm::vec3 p(seen.view.eye_from_world * glm::vec4(p_world, 1.0f));
     if (-p.z < seen.view.near_m) continue;
     const float radius_px = blurRadius_px(lens, -1.0f / p.z).x;
@@ -85,19 +85,19 @@ class SceneExport {
     const auto write = [&](const char* name, const auto& write_to) {
       output_.write(scene_.id + "/" + name, write_to);
     };
-    if (!seen_.cloud.gaussians) {
+    const SurfelCloud* const surfels = seen_.scene.surfels();
+    if (surfels) {
       scene_files_.push_back("../scene.ply");
-      write("scene.ply", [&](const fs::path& file) { writePoints(file, seen_.cloud); });
+      write("scene.ply", [&](const fs::path& file) { writePoints(file, *surfels); });
     }
     scene_files_.push_back("../gaussians.ply");
-    write("gaussians.ply", [&](const fs::path& file) { writeGaussians(file, seen_.cloud); });
+    write("gaussians.ply", [&](const fs::path& file) { writeGaussians(file, seen_.scene); });
     if (scene_.truth == ChartTruth::triangles) {
       scene_files_.push_back("../scene.glb");
-      write("scene.glb", [&](const fs::path& file) { writeGlb(file, *seen_.cloud.mesh); });
+      write("scene.glb", [&](const fs::path& file) { writeGlb(file, *surfels->mesh); });
     }
-    write("transforms.json",
-          nerfTransforms(seen_.view, "sharp.png", seen_.cloud.gaussians ? "" : "scene.ply"));
-    const ColmapModel colmap = colmapModel(seen_.view, "sharp.png", seen_.cloud);
+    write("transforms.json", nerfTransforms(seen_.view, "sharp.png", surfels ? "scene.ply" : ""));
+    const ColmapModel colmap = colmapModel(seen_.view, "sharp.png", seen_.scene);
     write("colmap/cameras.txt", colmap.cameras);
     write("colmap/images.txt", colmap.images);
     write("colmap/points3D.txt", colmap.points3D);
@@ -107,7 +107,7 @@ class SceneExport {
     pinhole.depth = true;
     const std::string by =
         scene_.truth == ChartTruth::triangles ? plan_.reference(scene_, 0.0) : "pinhole";
-    makeMethod(by, seen_.cloud)->render(seen_.view, pinhole, sharp);
+    makeMethod(by, seen_.scene)->render(seen_.view, pinhole, sharp);
     for (std::size_t i = 0; i < sharp.rgba.size(); ++i) {
       if (sharp.rgba[i].a < 0.5f) sharp.depth_m[i] = 0.0f;
     }
@@ -123,7 +123,7 @@ class SceneExport {
     const std::string method = plan_.reference(scene_, blur_px);
     Frame reference;
     const RenderStats stats =
-        makeMethod(method, seen_.cloud)->render(seen_.view, settings, reference);
+        makeMethod(method, seen_.scene)->render(seen_.view, settings, reference);
     const Defocus& lens = settings.defocus;
     const glm::vec3& background = settings.background;
     const double focal_m = kSensorWidth_m * double{seen_.view.focal_px.x} / seen_.view.size_px.x;

@@ -49,8 +49,7 @@ class ChartGroup {
   }
 
   /// The reference renders `seen`, every surfel, so that it does not depend on the tree's order.
-  /// @param shared  its surfels with the tree that all methods share
-  void measure(const SceneInView& seen, const SurfelCloud& shared) {
+  void measure(const SceneInView& seen, const Scene& shared) {
     shared_ = &shared;
     aperture_m_ = blur_px_ / seen.largestBlurThrough_px(1.0);
     measureErrors(seen);
@@ -133,7 +132,7 @@ class ChartGroup {
 
   ChartReference renderReference(const SceneInView& seen, const RenderSettings& settings) {
     ChartReference reference{.views = plan_.views(blur_px_)};
-    reference.split_half_psnr_dB = makeMethod(plan_.reference(scene_, blur_px_), seen.cloud)
+    reference.split_half_psnr_dB = makeMethod(plan_.reference(scene_, blur_px_), seen.scene)
                                        ->render(seen.view, settings, reference.frame)
                                        .split_half_psnr_dB.value();
     writeImage(referenceFile(scene_.id, blur_px_), imageOf(reference.frame));
@@ -214,7 +213,7 @@ class ChartGroup {
   double aperture_m_ = 0.0;
   std::optional<ChartReference> reference_;  // without its frame
   std::map<std::string, ChartCell> found_;   // by spec
-  const SurfelCloud* shared_ = nullptr;
+  const Scene* shared_ = nullptr;
   std::map<std::string, std::unique_ptr<Method>> made_;
 };
 
@@ -254,7 +253,7 @@ Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
   Measured<ChartPoint> result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
-    std::optional<SurfelCloud> shared;
+    std::optional<Scene> shared;
     if (!scene.input.empty()) {  // its warnings stand on the page, also if all cells are kept
       seen = scene.make();
       result.warnings = seen->warnings;
@@ -270,7 +269,7 @@ Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
         on_steps(1 + scene.methods.size() * (1 + plan.threads.size()));
       } else {
         if (!seen) seen = scene.make();
-        if (!shared) shared = scene.gaussians ? seen->cloud : withTree(seen->cloud);
+        if (!shared) shared = withSurfelTree(seen->scene);
         group.measure(*seen, *shared);
       }
       group.addTo(result);

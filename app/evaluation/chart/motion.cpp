@@ -39,9 +39,9 @@ constexpr int kWarmUp = 8;                // frames, in which `auto` learns how 
 struct MotionScene {
   MotionScene(const ChartScene& scene, const MotionPlan& plan)
       : seen(scene.make()),
-        shared(scene.gaussians ? seen.cloud : withTree(seen.cloud)),
+        shared(withSurfelTree(seen.scene)),
         aperture_m(plan.blur_px / seen.largestBlurThrough_px(1.0)),
-        exact(makeMethod("accumulate:" + std::to_string(plan.views), seen.cloud)) {}  // no nodes
+        exact(makeMethod("accumulate:" + std::to_string(plan.views), seen.scene)) {}  // no nodes
 
   RenderSettings settingsOf(double focus_D, double pupil_mm) const {
     RenderSettings settings = seen.settings;
@@ -74,7 +74,7 @@ struct MotionScene {
     int paths_ago = 0;
   };
   SceneInView seen;
-  SurfelCloud shared;
+  Scene shared;
   double aperture_m;
   std::unique_ptr<Method> exact;
   std::list<Reference> references{};

@@ -90,7 +90,7 @@ std::string gaussianPly(const SurfelCloud& surfels) {
     const glm::dvec3 u(surfels.axis_u_m[i]), v(surfels.axis_v_m[i]);
     const glm::dvec3 x = glm::normalize(u), y = glm::normalize(v);
     const double wide = glm::length(u), high = glm::length(v);
-    const float opacity = surfels.opacity.empty() ? 1.0f : surfels.opacity[i];
+    const float opacity = opacityOf(surfels, i);
     appendShape(bytes, std::min(opacity, kMostOpaque), {x, y, glm::cross(x, y)},
                 {wide, high, kFlatness * std::min(wide, high)});
   }
@@ -124,8 +124,8 @@ void writePoints(const std::filesystem::path& file, const SurfelCloud& surfels) 
   writePly(file, points);
 }
 
-void writeGaussians(const std::filesystem::path& file, const SurfelCloud& cloud) {
-  writeText(file, cloud.gaussians ? gaussianPly(*cloud.gaussians) : gaussianPly(cloud));
+void writeGaussians(const std::filesystem::path& file, const Scene& scene) {
+  writeText(file, std::visit([](const auto& cloud) { return gaussianPly(cloud); }, scene.splats));
 }
 
 void writeGlb(const std::filesystem::path& file, const TriangleMesh& mesh) {

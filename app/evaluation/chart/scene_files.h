@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "render/scene/mesh/triangle_mesh.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -14,7 +14,7 @@ void writePoints(const std::filesystem::path& file, const SurfelCloud& surfels);
 
 /// The PLY of Kerbl et al. 2023. A surfel becomes a flat Gaussian. Gaussians are composited where
 /// kernels of surfels sum to one, so a viewer shows about the surfels' image.
-void writeGaussians(const std::filesystem::path& file, const SurfelCloud& cloud);
+void writeGaussians(const std::filesystem::path& file, const Scene& scene);
 
 /// Binary glTF 2.0, unlit: the light of a place is its colour.
 /// @param mesh  one material with a texture (asserted), which alone gives the colour

@@ -72,13 +72,12 @@ struct GrownScene {
     forgetPeakMemory();
     std::vector<double> ms, cpu_ms;
     const Spent spent;
-    prepared.splats = static_cast<double>(seen.cloud.size());
+    auto surfels = std::get<SurfelCloud>(std::move(seen.scene.splats));
+    prepared.splats = static_cast<double>(surfels.size());
     if (point.gaussians) {
-      SurfelCloud cloud;
-      cloud.gaussians = std::make_shared<const GaussianCloud>(withTree(gaussiansOf(seen.cloud)));
-      seen.cloud = std::move(cloud);
+      seen.scene = {withTree(gaussiansOf(surfels))};
     } else {
-      seen.cloud = withTree(std::move(seen.cloud));
+      seen.scene = {withTree(std::move(surfels))};
     }
     spent.addTo(ms, cpu_ms);
     prepared.ms = ms[0];
@@ -93,7 +92,7 @@ void measureFrames(GrowthPoint& point, const GrownScene& scene, double timing_ms
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, point.threads);
   const double aperture_m = point.blur_px / scene.blur_per_aperture;
   forgetPeakMemory();
-  const auto method = makeMethod(point.method, scene.seen.cloud);
+  const auto method = makeMethod(point.method, scene.seen.scene);
   if (choosesQuality(point.method)) {
     RenderSettings checked = scene.seen.settingsThrough(aperture_m);
     checked.quality.check = ErrorCheck::at_once;

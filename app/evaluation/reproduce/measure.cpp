@@ -71,7 +71,7 @@ ReproduceReference renderReference(const ReproduceScene& scene, std::size_t aper
   ReproduceReference reference{
       .views = referenceViews(scene, aperture, effort), .split_half_psnr_dB = {}, .frame = {}};
   reference.split_half_psnr_dB =
-      makeMethod("accumulate:" + std::to_string(reference.views), scene.cloud)
+      makeMethod("accumulate:" + std::to_string(reference.views), scene.scene)
           ->render(scene.view, scene.settingsAt(aperture), reference.frame)
           .split_half_psnr_dB;
   on_frames(static_cast<std::size_t>(reference.views));
@@ -87,7 +87,7 @@ std::vector<ReproduceRow> measureErrors(const ReproduceScene& scene, const Repro
   Frame pinhole;
   RenderSettings sharp = scene.settingsAt(0);
   sharp.depth = true;
-  makeMethod("sweep", scene.cloud)->render(scene.view, sharp, pinhole);
+  makeMethod("sweep", scene.scene)->render(scene.view, sharp, pinhole);
 
   std::vector<ReproduceRow> rows;
   for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
@@ -162,7 +162,7 @@ SceneResult measureScene(const ReproduceScene& scene, const ReproduceEffort& eff
   SceneResult result;
   MethodsByName methods;
   for (const std::string& method : kReproduceMethods) {
-    methods[method] = makeMethod(method, scene.cloud);
+    methods[method] = makeMethod(method, scene.scene);
   }
   const auto rows = measureErrors(scene, effort, methods, on_frames, result);
   for (const unsigned count : threads) {

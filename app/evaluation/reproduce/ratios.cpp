@@ -80,10 +80,10 @@ std::size_t allocatedBytes() {
 
 Growth::Size measurePlane(std::size_t surfels, const std::function<void()>& on_frame) {
   const ReproduceScene plane = planeScene(static_cast<int>(std::ceil(std::sqrt(surfels))));
-  Growth::Size size{.surfels = plane.cloud.size()};
+  Growth::Size size{.surfels = plane.scene.position_m().size()};
   const std::size_t before = allocatedBytes();
   const auto start = std::chrono::steady_clock::now();
-  const auto method = makeMethod("sweep-lod", plane.cloud);
+  const auto method = makeMethod("sweep-lod", plane.scene);
   size.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   size.bytes_per_surfel =
       static_cast<double>(allocatedBytes() - before) / static_cast<double>(size.surfels);

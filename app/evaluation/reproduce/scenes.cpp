@@ -56,7 +56,7 @@ ReproduceScene scanScene(const ScanView& scan) {
 }
 
 void chooseApertures(ReproduceScene& scene, const std::function<void()>& on_frame) {
-  const auto paper = makeMethod("paper", scene.cloud);
+  const auto paper = makeMethod("paper", scene.scene);
   Frame frame;
   const auto fragmentsAt = [&](std::size_t aperture) {
     const auto stats = paper->render(scene.view, scene.settingsAt(aperture), frame);

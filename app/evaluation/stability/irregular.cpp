@@ -133,12 +133,13 @@ SurfelCloud thinned(const SurfelCloud& cloud, float share) {
 StabilitySetup thinnedSetup(const std::shared_ptr<const SceneInView>& seen, float share) {
   constexpr double kBlur_px = 8.0;
   const double aperture_m = kBlur_px / seen->largestBlurThrough_px(1.0);
+  const SurfelCloud& scan = *seen->scene.surfels();
   StabilitySetup setup{.view = seen->view,
-                       .cloud = share < 1.0f ? thinned(seen->cloud, share) : seen->cloud,
+                       .cloud = share < 1.0f ? thinned(scan, share) : scan,
                        .settings = seen->settingsThrough(aperture_m)};
   setup.truth = [seen](const View& view, const RenderSettings& settings, int samples) {
     Frame frame;
-    makeMethod("accumulate:" + std::to_string(samples), seen->cloud)->render(view, settings, frame);
+    makeMethod("accumulate:" + std::to_string(samples), seen->scene)->render(view, settings, frame);
     return frame;
   };
   return setup;

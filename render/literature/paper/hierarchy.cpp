@@ -63,7 +63,7 @@ struct Moments {
 Moments momentsOf(const SurfelCloud& cloud, std::size_t i) {
   const glm::vec3 u = cloud.axis_u_m[i], v = cloud.axis_v_m[i];
   const float area = cloud.area_m2[i];
-  const float opacity = area * (cloud.opacity.empty() ? 1.0f : cloud.opacity[i]);
+  const float opacity = area * opacityOf(cloud, i);
   Moments m{.area_m2 = area,
             .mean_m = cloud.position_m[i],
             .normal = area * glm::normalize(glm::cross(glm::normalize(u), glm::normalize(v))),

@@ -68,7 +68,7 @@ SeenSurfel seen(const SurfelCloud& cloud, std::size_t i, const View& view,
   const float uu = glm::dot(u, u), vv = glm::dot(v, v), parallelogram = std::sqrt(uu * vv);
   const float reach_m = std::sqrt(kReach2 * (u_m * u_m + v_m * v_m) + std::max(uu, vv));
   const float away = glm::dot(glm::cross(u, v), p) / (parallelogram * glm::length(p));
-  const float opacity = cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
+  const float opacity = opacityOf(cloud, i);
   const float shade = 1.0f + shading * (std::abs(away) - 1.0f);
   return {.center_px = project(view, p),
           .u_px = px_per_m * (glm::vec2(u) + u.z * tangent),

@@ -176,7 +176,7 @@ void addVeil(GaussianCloud& cloud) {
 
 }  // namespace
 
-SurfelCloud makeGarden() {
+GaussianCloud makeGarden() {
   GaussianCloud cloud;
   cloud.degree = 1;
   addWallAndGround(cloud);
@@ -184,9 +184,7 @@ SurfelCloud makeGarden() {
   addBall(cloud);
   addTuft(cloud);
   addVeil(cloud);
-  SurfelCloud scene;
-  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(cloud));
-  return scene;
+  return cloud;
 }
 
 EyePose gardenEyePose() { return {{0.0f, 0.42f, 0.0f}, {0.0f, 0.3f, -1.2f}}; }

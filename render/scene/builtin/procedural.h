@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -51,7 +51,7 @@ EyePose fenceEyePose();
 
 /// A scene of Gaussians in place of surfels: wall, ground, ball and boards, blades thinner than a
 /// pixel, a veil and floaters, from 0.65 to 3 m from the eye.
-SurfelCloud makeGarden();
+GaussianCloud makeGarden();
 
 /// The eye looks past the veil and the blades at the ball.
 EyePose gardenEyePose();

@@ -198,7 +198,7 @@ PreparedScene readSurfels(const std::shared_ptr<const FociContainer>& file) {
     // So that each number that the file may hold is one of a box.
     cloud.bodies.boxes.resize(std::size_t{Facing::kSeveral} + 1);
   }
-  return {surfelsOf(std::make_shared<const MomentTree>(std::move(cloud), nodes, file)),
+  return {{surfelsOf(std::make_shared<const MomentTree>(std::move(cloud), nodes, file))},
           originOf(header.flags)};
 }
 
@@ -246,19 +246,19 @@ bool isSound(const GaussianTree& tree, std::size_t node) {
   return isSound(tree.nodes, node, kMost);
 }
 
-void writeFociGaussians(const std::filesystem::path& path, const PreparedScene& scene) {
-  const GaussianCloud& cloud = *scene.cloud.gaussians;
+void write(const std::filesystem::path& path, const GaussianCloud& cloud,
+           const SurfelOrigin& origin) {
   assert(cloud.tree && !cloud.empty());
   std::vector<ByteSpan> arrays;
   forGaussianArrays(cloud, *cloud.tree,
                     [&](const auto& values) { arrays.push_back(bytesOf(values)); });
-  writeFoci(path,
-            {.version = kFociGaussians,
-             .flags = (cloud.preserves_light ? kPreservesLight : 0) |
-                      (scene.origin.y_is_down ? kYIsDown : 0) |
-                      kDegree * static_cast<std::uint32_t>(cloud.degree),
-             .count = cloud.size()},
-            arrays);
+  writeFoci(
+      path,
+      {.version = kFociGaussians,
+       .flags = (cloud.preserves_light ? kPreservesLight : 0) | (origin.y_is_down ? kYIsDown : 0) |
+                kDegree * static_cast<std::uint32_t>(cloud.degree),
+       .count = cloud.size()},
+      arrays);
 }
 
 PreparedScene readFociGaussians(const FociContainer& file) {
@@ -280,25 +280,30 @@ PreparedScene readFociGaussians(const FociContainer& file) {
   const std::vector<ByteSpan> arrays = file.arrays(sizes);
 
   const auto tree = std::make_shared<GaussianTree>();
-  const auto cloud = std::make_shared<GaussianCloud>();
+  GaussianCloud cloud;
   auto next = arrays.begin();
-  forGaussianArrays(*cloud, *tree, [&](auto& values) { fill(values, *next++); });
+  forGaussianArrays(cloud, *tree, [&](auto& values) { fill(values, *next++); });
   tree->levels = levels;
-  for (GaussianCloud* each : {cloud.get(), &tree->nodes}) {
+  for (GaussianCloud* each : {&cloud, &tree->nodes}) {
     each->degree = degree;
     each->preserves_light = (header.flags & kPreservesLight) != 0;
   }
-  for (std::size_t i = 0; i < cloud->size(); ++i) {
-    if (!isSound(*cloud, i, 1.0f)) file.refuse("Gaussian ", i, " is not sound");
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!isSound(cloud, i, 1.0f)) file.refuse("Gaussian ", i, " is not sound");
   }
   for (std::size_t node = 1; node < nodes; ++node) {
     if (!isSound(*tree, node)) file.refuse("node ", node, " is not sound");
   }
-  cloud->tree = tree;
-  PreparedScene scene;
-  scene.cloud.gaussians = cloud;
-  scene.origin.y_is_down = (header.flags & kYIsDown) != 0;
-  return scene;
+  cloud.tree = tree;
+  return {{std::move(cloud)}, {.y_is_down = (header.flags & kYIsDown) != 0}};
+}
+
+void write(const std::filesystem::path& path, const SurfelCloud& cloud,
+           const SurfelOrigin& origin) {
+  assert(!cloud.empty());
+  SurfelFileWriter writer(path, cloud.size(), 0, cloud, origin);
+  writer.add(0, *treeOf(cloud));
+  writer.finish();
 }
 
 }  // namespace
@@ -367,15 +372,7 @@ void SurfelFileWriter::finish() {
 }
 
 void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scene) {
-  const SurfelCloud& cloud = scene.cloud;
-  if (cloud.gaussians) {
-    writeFociGaussians(path, scene);
-    return;
-  }
-  assert(!cloud.empty());
-  SurfelFileWriter writer(path, cloud.size(), 0, cloud, scene.origin);
-  writer.add(0, *treeOf(cloud));
-  writer.finish();
+  std::visit([&](const auto& cloud) { write(path, cloud, scene.origin); }, scene.scene.splats);
 }
 
 PreparedScene readSceneFile(const std::filesystem::path& path, std::uint64_t checked_B) {

@@ -40,7 +40,7 @@
 
 #include "render/lod/moment_tree.h"
 #include "render/scene/io/foci_container.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -54,14 +54,14 @@ struct SurfelOrigin {
 };
 
 struct PreparedScene {
-  SurfelCloud cloud;
+  Scene scene;
   SurfelOrigin origin{};
 };
 
 /// Whether the file begins like a scene file. False if the file cannot be read.
 bool isSceneFile(const std::filesystem::path& path);
 
-/// Writes a scene whose cloud is sound and not empty (asserted), Gaussians with their tree
+/// Writes a scene that is sound and not empty (asserted), Gaussians with their tree
 /// (asserted). Surfels are written in the order of their tree.
 /// @throws std::runtime_error if the file cannot be written
 void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scene);

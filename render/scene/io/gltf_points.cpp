@@ -43,8 +43,8 @@ class GltfPointReader {
   GltfPoints read() {
     for (const GltfPlace& place : placesOf(gltf_)) addPlace(place);
     GltfPoints found{.has_triangles = has_triangles_};
-    if (joined_.gaussians) {
-      found.gaussians = GaussianFile{.cloud = *joined_.gaussians,
+    if (joined_) {
+      found.gaussians = GaussianFile{.cloud = std::move(*joined_),
                                      .format = kExtension,
                                      .y_is_up = true,
                                      .dropped = dropped_,
@@ -122,9 +122,7 @@ class GltfPointReader {
       return;
     }
     transform(file.cloud, glm::mat3(scene_from_node), glm::vec3(scene_from_node[3]));
-    SurfelCloud part;
-    part.gaussians = std::make_shared<const GaussianCloud>(std::move(file.cloud));
-    joined_ = joined_.gaussians ? joined(std::move(joined_), std::move(part), "") : part;
+    joined_ = joined_ ? joined(std::move(*joined_), std::move(file.cloud)) : std::move(file.cloud);
   }
 
   static const JsonValue* compressionIn(const JsonValue& extension) {
@@ -227,7 +225,7 @@ class GltfPointReader {
   }
 
   const GltfDocument& gltf_;
-  SurfelCloud joined_;  // the Gaussians so far
+  std::optional<GaussianCloud> joined_;  // so far
   PointCloud points_;
   ScanPositions positions_{points_};
   std::set<std::string> remarks_;

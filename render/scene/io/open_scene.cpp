@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/scan_values.h"
@@ -16,19 +17,13 @@ void scale(std::vector<glm::vec3>& lengths_m, float scale) {
   for (glm::vec3& length_m : lengths_m) length_m *= scale;
 }
 
-SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
-  if (factor == 1.0f) return std::move(cloud);
+void scaleBy(SurfelCloud& cloud, float factor) {
+  if (factor == 1.0f) return;
   for (auto* lengths_m : {&cloud.position_m, &cloud.axis_u_m, &cloud.axis_v_m}) {
     scale(lengths_m->own(), factor);
   }
   for (float& area_m2 : cloud.area_m2) area_m2 *= factor * factor;
   completeBodies(cloud);
-  if (cloud.gaussians) {
-    const auto gaussians = std::make_shared<GaussianCloud>(*cloud.gaussians);
-    scaleBy(*gaussians, factor);
-    cloud.gaussians = gaussians;
-  }
-  return std::move(cloud);
 }
 
 /// In metres.
@@ -45,6 +40,12 @@ bool lacksNormals(const PointCloud& points) {
 }
 
 }  // namespace
+
+std::vector<std::string> droppedRemarks(std::size_t dropped, const std::string& what) {
+  if (dropped == 0) return {};
+  return {counted(dropped, what) +
+          " left out: not finite, or farther than 1e9 units from the origin"};
+}
 
 bool isScene(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -108,48 +109,52 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
     };
     file.content = streamed->read(fineness ? in_file : Fineness{});
   }
+  const auto factor = static_cast<float>(scale_m);
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
-    if (scale_m != 1.0 && builtTree(prepared->cloud) && prepared->cloud.size() > kLargeScene) {
+    if (scale_m != 1.0 && outlineOf(prepared->scene)) {
       throw InputError(
           file.path.string(),
           "stays in its file, in metres, because it is large: expected scene.scale_m = 1");
     }
-    return {scaled(std::move(prepared->cloud), static_cast<float>(scale_m))};
+    std::visit([&](auto& cloud) { scaleBy(cloud, factor); }, prepared->scene.splats);
+    return {std::move(prepared->scene)};
   }
   if (auto* const gaussians = std::get_if<GaussianFile>(&file.content)) {
-    const auto factor = static_cast<float>(scale_m);
     scaleBy(gaussians->cloud, factor);
-    SurfelCloud cloud;
-    cloud.gaussians = std::make_shared<GaussianCloud>(std::move(gaussians->cloud));
+    Scene scene{std::move(gaussians->cloud)};
+    const auto add = [&](PointCloud&& points, const char* name) {
+      scene = joined(std::move(scene), Scene{surfelsAt(std::move(points))}, name);
+    };
     if (gaussians->mesh) {
       scale(gaussians->mesh->corners_m, factor);
-      cloud =
-          joined(std::move(cloud), surfelsAt(sampleMesh(*gaussians->mesh, file.path, {})), "mesh");
+      add(sampleMesh(*gaussians->mesh, file.path, {}), "mesh");
     }
     if (gaussians->points) {
       scale(gaussians->points->position_m, factor);
-      cloud = joined(std::move(cloud), surfelsAt(std::move(*gaussians->points)), "points");
+      add(std::move(*gaussians->points), "points");
     }
-    return {std::move(cloud), gaussians->dropped, std::move(gaussians->remarks)};
+    std::vector<std::string> remarks = droppedRemarks(gaussians->dropped, "Gaussian");
+    remarks.insert(remarks.end(), gaussians->remarks.begin(), gaussians->remarks.end());
+    return {std::move(scene), std::move(remarks)};
   }
   const auto surfelsOf = [&](const SurfelSource& source, const std::function<SurfelCloud()>& make) {
     return store ? store(source, make) : make();
   };
   if (auto* const read = std::get_if<MeshFile>(&file.content)) {
-    auto mesh = scaledMesh(std::move(*read), static_cast<float>(scale_m));
+    auto mesh = scaledMesh(std::move(*read), factor);
     SurfelCloud cloud = surfelsOf({.mesh = mesh.get()},
                                   [&] { return surfelsAt(sampleMesh(*mesh, file.path, {})); });
     std::vector<std::string> remarks = mesh->remarks;
     cloud.mesh = std::move(mesh);
-    return {std::move(cloud), 0, std::move(remarks)};
+    return {{std::move(cloud)}, std::move(remarks)};
   }
   PointCloud points = openPoints(std::move(file), scale_m).points;
-  const std::size_t dropped = points.dropped;
-  std::vector<std::string> remarks = std::move(points.remarks);
+  std::vector<std::string> remarks = droppedRemarks(points.dropped, "point");
+  remarks.insert(remarks.end(), points.remarks.begin(), points.remarks.end());
   const SurfelSource source{.points = &points,
                             .viewpoint_m = lacksNormals(points) ? viewpoint_m : std::nullopt};
   SurfelCloud cloud = surfelsOf(source, [&] { return surfelsAt(std::move(points)); });
-  return {std::move(cloud), dropped, std::move(remarks)};
+  return {{std::move(cloud)}, std::move(remarks)};
 }
 
 }  // namespace foci

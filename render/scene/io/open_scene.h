@@ -13,7 +13,7 @@
 
 #include "render/scene/io/scene_formats.h"
 #include "render/scene/mesh/sample_mesh.h"
-#include "render/scene/surfel_cloud.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
@@ -44,10 +44,12 @@ struct OpenedPoints {
 OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling = {});
 
 struct OpenedScene {
-  SurfelCloud cloud;                      ///< not empty, or of Gaussians
-  std::size_t dropped = 0;                ///< points dropped because their position was not finite
-  std::vector<std::string> remarks = {};  ///< see `PointCloud`
+  Scene scene;                            ///< not empty
+  std::vector<std::string> remarks = {};  ///< see `PointCloud`, and what was left out
 };
+
+/// Says how many points or Gaussians, as `what` names one, were left out of a file; nothing of 0.
+std::vector<std::string> droppedRemarks(std::size_t dropped, const std::string& what);
 
 /// All that the surfels of a mesh or of points depend on, in metres.
 struct SurfelSource {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <variant>
@@ -40,27 +41,33 @@ SceneFacts factsOfGaussians(const GaussianCloud& cloud) {
           .reach = std::move(reach)};
 }
 
-SceneFacts factsOfContent(const PreparedScene& scene) {
-  if (scene.cloud.gaussians) {
-    SceneFacts facts = factsOfGaussians(*scene.cloud.gaussians);
-    facts.unit_m = 1.0;
-    facts.y_is_down = scene.origin.y_is_down;
-    return facts;
-  }
-  const SurfelCloud outline = outlineOf(scene.cloud);
-  const SurfelCloud& cloud = outline.empty() ? scene.cloud : outline;
-  const bool is_plain = scene.origin.plain_colors;
+SceneFacts factsOfPrepared(const GaussianCloud& cloud, const SurfelOrigin& origin) {
+  SceneFacts facts = factsOfGaussians(cloud);
+  facts.y_is_down = origin.y_is_down;
+  return facts;
+}
+
+SceneFacts factsOfPrepared(const SurfelCloud& cloud, const SurfelOrigin& origin) {
   return {.kind = SceneKind::prepared,
-          .surfels = scene.cloud.size(),
+          .surfels = cloud.size(),
           .has_normals = cloud.oriented,
-          .has_colors = !is_plain,
-          .material_colors = is_plain && differ(cloud.color),
+          .has_colors = !origin.plain_colors,
+          .material_colors = origin.plain_colors && differ(cloud.color),
           .opacity = rangeOf(cloud.opacity),
-          .samples_of_mesh = scene.origin.mesh,
-          .unit_m = 1.0,
-          .up_axis = scene.origin.up_axis,
-          .large = !outline.empty(),
+          .samples_of_mesh = origin.mesh,
+          .up_axis = origin.up_axis,
           .position = {cloud.position_m.begin(), cloud.position_m.end()}};
+}
+
+SceneFacts factsOfContent(const PreparedScene& file) {
+  const std::optional<Scene> outline = outlineOf(file.scene);
+  SceneFacts facts =
+      std::visit([&](const auto& cloud) { return factsOfPrepared(cloud, file.origin); },
+                 (outline ? *outline : file.scene).splats);
+  if (outline) facts.surfels = file.scene.position_m().size();
+  facts.large = outline.has_value();
+  facts.unit_m = 1.0;
+  return facts;
 }
 
 SceneFacts factsOfContent(const MeshFile& file) {

@@ -25,7 +25,7 @@ inline std::filesystem::path captureNamed(const std::string& name) {
 
 /// A capture that stands on the ground, and an eye that sees all of it.
 struct Captured {
-  SurfelCloud scene;
+  GaussianCloud scene;
   View view;
   float nearest_m = 0.0f, farthest_m = 0.0f;  // of the middle 96 % of its Gaussians
 
@@ -49,7 +49,7 @@ struct Captured {
     view.eye_from_world = eyeFromWorld(eye, middle, {0.0f, up, 0.0f});
     std::tie(nearest_m, farthest_m) =
         quantilesOf([&](const glm::vec3& p) { return glm::distance(p, eye); });
-    scene = sceneOf(std::move(file.cloud));
+    scene = std::move(file.cloud);
   }
 
   /// In focus near its front, with blur up to this radius.

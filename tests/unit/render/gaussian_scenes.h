@@ -1,9 +1,6 @@
 // Small scenes of Gaussians with known answers.
 #pragma once
 
-#include <memory>
-#include <utility>
-
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/surfel_cloud.h"
 
@@ -18,12 +15,6 @@ inline void addGaussian(GaussianCloud& cloud, const glm::vec3& position_m, const
   cloud.covariance_m2.push_back(covarianceOf(sigma_m, rotation));
   cloud.opacity.push_back(opacity);
   cloud.color.push_back(color);
-}
-
-inline SurfelCloud sceneOf(GaussianCloud cloud) {
-  SurfelCloud scene;
-  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(cloud));
-  return scene;
 }
 
 /// A square wall across the axis: `n` x `n` flat Gaussians that overlap.

@@ -39,7 +39,7 @@ inline void addSheet(SurfelCloud& cloud, float depth_m, float size_m, int n, con
   }
 }
 
-inline Frame render(std::string_view method, const SurfelCloud& cloud, const View& view,
+inline Frame render(std::string_view method, const auto& cloud, const View& view,
                     const RenderSettings& settings) {
   Frame frame;
   makeMethod(method, cloud)->render(view, settings, frame);

@@ -68,7 +68,7 @@ TEST(CameraFiles, ColmapLooksAlongZWithYDown) {
   SurfelCloud cloud;
   appendSurfel(cloud, glm::vec3(kPoint), {0, 0, 1}, 0.1f, 0.01f,
                glm::vec3(1.0f, 0.0f, linearFromSrgb(0.5f)));
-  const ColmapModel model = colmapModel(tiltedView(), "a.png", cloud);
+  const ColmapModel model = colmapModel(tiltedView(), "a.png", {cloud});
   std::istringstream cameras(model.cameras.substr(model.cameras.find("\n1 ") + 1));
   std::string id, kind, name;
   double w, h, fx, fy, cx, cy;
@@ -112,21 +112,19 @@ TEST(SceneFiles, PointsGiveTheSurfelsBack) {
 
 TEST(SceneFiles, GaussiansGiveCovarianceAndHarmonicsBack) {
   const TemporaryFolder folder;
-  auto gaussians = std::make_shared<GaussianCloud>();
-  gaussians->position_m = {{1, 2, 3}};
-  gaussians->covariance_m2 = {
+  GaussianCloud cloud;
+  cloud.position_m = {{1, 2, 3}};
+  cloud.covariance_m2 = {
       {.xx = 0.4f, .xy = 0.1f, .xz = 0.05f, .yy = 0.3f, .yz = -0.02f, .zz = 0.2f}};
-  gaussians->opacity = {0.7f};
-  gaussians->color = {{0.9f, 0.5f, 0.1f}};
-  gaussians->degree = 1;
-  gaussians->harmonics = {1, 20, 300, -4, 50, -600, 7, 80, 900};
-  gaussians->preserves_light = true;
-  SurfelCloud cloud;
-  cloud.gaussians = gaussians;
-  writeGaussians(folder.path() / "a.ply", cloud);
+  cloud.opacity = {0.7f};
+  cloud.color = {{0.9f, 0.5f, 0.1f}};
+  cloud.degree = 1;
+  cloud.harmonics = {1, 20, 300, -4, 50, -600, 7, 80, 900};
+  cloud.preserves_light = true;
+  writeGaussians(folder.path() / "a.ply", {cloud});
   const GaussianCloud read = readGaussianPly(folder.path() / "a.ply").cloud;
   ASSERT_EQ(read.size(), 1u);
-  const Covariance3 &v = read.covariance_m2[0], &w = gaussians->covariance_m2[0];
+  const Covariance3 &v = read.covariance_m2[0], &w = cloud.covariance_m2[0];
   for (const auto& [a, b] : {std::pair(v.xx, w.xx),
                              {v.xy, w.xy},
                              {v.xz, w.xz},
@@ -136,8 +134,8 @@ TEST(SceneFiles, GaussiansGiveCovarianceAndHarmonicsBack) {
     EXPECT_NEAR(a, b, 1e-5f);
   }
   EXPECT_NEAR(read.opacity[0], 0.7f, 1e-6f);
-  EXPECT_NEAR(glm::distance(read.color[0], gaussians->color[0]), 0.0f, 1e-6f);
-  EXPECT_EQ(read.harmonics, gaussians->harmonics);
+  EXPECT_NEAR(glm::distance(read.color[0], cloud.color[0]), 0.0f, 1e-6f);
+  EXPECT_EQ(read.harmonics, cloud.harmonics);
   EXPECT_TRUE(read.preserves_light);
 }
 
@@ -145,7 +143,7 @@ TEST(SceneFiles, ASurfelIsAFlatGaussianOfItsSizeAndColour) {
   const TemporaryFolder folder;
   SurfelCloud cloud;
   appendSurfel(cloud, {1, 2, 3}, {0, 0, 1}, 0.25f, 0.1f, glm::vec3(0.2f));
-  writeGaussians(folder.path() / "a.ply", cloud);
+  writeGaussians(folder.path() / "a.ply", {cloud});
   const GaussianCloud read = readGaussianPly(folder.path() / "a.ply").cloud;
   ASSERT_EQ(read.size(), 1u);
   EXPECT_NEAR(read.covariance_m2[0].xx, 0.0625f, 1e-5f);

@@ -119,14 +119,14 @@ TEST(AutoOnTheChart, PredictsABoundOfItsErrorBelowTheTolerance) {
     if (scene.id == "gallery") continue;  // slow, and the scene of the mask from another view
     if (scene.gaussians) continue;        // below
     const SceneInView seen = scene.make();
-    const auto method = makeMethod("auto", seen.cloud);
+    const auto method = makeMethod("auto", seen.scene);
     for (const double blur_px : {2.0, 12.0}) {
       const RenderSettings settings =
           seen.settingsThrough(blur_px / seen.largestBlurThrough_px(1.0));
       Frame frame, reference;
       const RenderStats stats = method->render(seen.view, settings, frame);
       const char* all_views = blur_px > 2.0 ? "accumulate:64" : "accumulate:16";
-      makeMethod(all_views, seen.cloud)->render(seen.view, settings, reference);
+      makeMethod(all_views, seen.scene)->render(seen.view, settings, reference);
       auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
       ASSERT_TRUE(stats.tolerance_error.has_value());
       EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << scene.id << " " << blur_px;
@@ -149,8 +149,8 @@ TEST(AutoOnTheChart, PredictsABoundOfItsErrorOnGaussians) {
                                           {256, 2.0},
                                           {192, 2.0}}) {
     const SceneInView seen = gardenInView(width_px);
-    const auto method = makeMethod("auto", seen.cloud),
-               views = makeMethod("accumulate:64", seen.cloud);
+    const auto method = makeMethod("auto", seen.scene),
+               views = makeMethod("accumulate:64", seen.scene);
     const RenderSettings settings = seen.settingsThrough(blur_px / seen.largestBlurThrough_px(1.0));
     Frame frame, reference;
     const RenderStats stats = method->render(seen.view, settings, frame);
@@ -221,7 +221,7 @@ TEST(PlanChart, HoldsAMeshAgainstItsTrianglesAndOtherScenesAgainstTheirSurfels) 
     EXPECT_EQ(plan.reference(scene, 4.0), traced ? "raytrace:128" : "accumulate:64") << scene.id;
     if (!ball) continue;  // slow to make
     const SceneInView seen = scene.make();
-    EXPECT_NE(seen.cloud.mesh, nullptr);
+    EXPECT_NE(seen.scene.surfels()->mesh, nullptr);
     EXPECT_GT(seen.settings.background.g, 0.5f);
   }
 }

@@ -374,8 +374,8 @@ TEST_F(Live, ARefinerCancelsWhatIsNoLongerWanted) {
   study.render.method = "auto";
   study.quality.frame_ms = 5.0;
   Warnings warnings;
-  const SurfelCloud cloud = loadScene(study, warnings);
-  Session session(sessionSettingsOf(study), cloud, study.screenInForce(), 100.0, 0.0);
+  const Scene scene = loadScene(study, warnings);
+  Session session(sessionSettingsOf(study), scene, study.screenInForce(), 100.0, 0.0);
   const FrameRecord record = session.look(0.0);
   const RenderRequest request = session.requestOf("auto", record);
   Refiner refiner(session.cloneRenderer(), 1);
@@ -398,7 +398,7 @@ TEST_F(Live, ARefinerCancelsWhatIsNoLongerWanted) {
   auto rendered = take(request);
   ASSERT_TRUE(rendered.has_value());
   RenderedFrame alone;
-  FrameRenderer(cloud).render(request.withoutTimeBudget(), alone);
+  FrameRenderer(scene).render(request.withoutTimeBudget(), alone);
   EXPECT_EQ(rendered->frame.rgba, alone.frame.rgba);
   for (int i = 0; i < 4; ++i) {  // the memory of other frames leaves nothing in the next
     const RenderRequest& wanted = i % 2 == 0 ? other : request;
@@ -421,9 +421,9 @@ TEST_F(Live, TheFrameRenderedAheadIsTheOneAtRest) {
   study.quality.frame_ms = 5.0;
   study.quality.foveated = true;
   Warnings warnings;
-  const SurfelCloud cloud = loadScene(study, warnings);
+  const Scene scene = loadScene(study, warnings);
   const Screen screen = study.screenInForce();
-  Session session(sessionSettingsOf(study), cloud, screen, 250.0, 0.0);
+  Session session(sessionSettingsOf(study), scene, screen, 250.0, 0.0);
   std::optional<RenderRequest> ahead, last;
   int changes = 0;
   double sample_s = 0.0;

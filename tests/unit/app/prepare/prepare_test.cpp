@@ -50,7 +50,7 @@ class PrepareScene : public testing::Test {
 TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   const PrepareSummary summary =
       prepareScene({.input = square(), .out = folder_ / "s.foci", .scale_m = 2.0, .points = 3000});
-  const SurfelCloud cloud = readSceneFile(folder_ / "s.foci").cloud;
+  const auto cloud = std::get<SurfelCloud>(readSceneFile(folder_ / "s.foci").scene.splats);
   EXPECT_EQ(cloud.size(), summary.surfels);
   EXPECT_NEAR(summary.area_m2, 4.0, 0.4);  // surfels at the border reach beyond it
   ASSERT_EQ(summary.normalisation.size(), 3u);
@@ -76,10 +76,10 @@ TEST_F(PrepareScene, GivesGaussiansTheirLevelsOfDetail) {
   }
   const auto input = file("g.splat", records);
   const PrepareSummary summary = prepareScene({.input = input, .out = folder_ / "g.foci"});
-  const SurfelCloud cloud = readSceneFile(folder_ / "g.foci").cloud;
-  ASSERT_TRUE(cloud.gaussians && cloud.gaussians->tree);
+  const auto cloud = std::get<GaussianCloud>(readSceneFile(folder_ / "g.foci").scene.splats);
+  ASSERT_TRUE(cloud.tree);
   EXPECT_EQ(summary.gaussians, 10u);
-  EXPECT_EQ(summary.nodes, cloud.gaussians->tree->nodes.size() - 1);
+  EXPECT_EQ(summary.nodes, cloud.tree->nodes.size() - 1);
   std::ifstream report(folder_ / "g.html");
   const std::string page{std::istreambuf_iterator<char>(report), {}};
   EXPECT_NE(page.find("10 Gaussians"), std::string::npos);

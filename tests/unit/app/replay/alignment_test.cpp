@@ -61,9 +61,9 @@ SurfelCloud room() {
 /// Sights of a walk in the scene, which see what the scene shows, as recorded by a tracker whose
 /// world the alignment takes to the scene's.
 /// @param noise_D  of vergence; absent: there is none
-RecordedSights recorded(const SurfelCloud& cloud, const SceneAlignment& truth,
+RecordedSights recorded(const Scene& scene, const SceneAlignment& truth,
                         const std::optional<double>& noise_D, std::size_t count = 120) {
-  const SurfaceQuery query(cloud);
+  const SurfaceQuery query(scene);
   const glm::dquat r(truth.rotation.w, truth.rotation.x, truth.rotation.y, truth.rotation.z);
   std::mt19937 random(5);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -109,10 +109,10 @@ double apart(const RecordedSights& looks, const SceneAlignment& a, const SceneAl
 
 TEST(Alignment, RecoversOffsetScaleAndRotation) {
   constexpr double kWithin = 0.03;  // of the distance: the spacing of the surfels over it
-  const SurfelCloud cloud = room();
+  const Scene scene{room()};
   const SceneAlignment truth = turned(130.0, 1.25, {0.7, 0.35, -1.2});
-  const auto sights = recorded(cloud, truth, 0.0);
-  const AlignmentSearch found = searchAlignment(cloud, sights, {}, kUp, kFew);
+  const auto sights = recorded(scene, truth, 0.0);
+  const AlignmentSearch found = searchAlignment(scene, sights, {}, kUp, kFew);
   EXPECT_EQ(found.verdict(), Verdict::propose) << verdictText(found);
   EXPECT_LT(apart(sights, truth, found.best.alignment), kWithin);
   EXPECT_NEAR(found.best.alignment.scale, truth.scale, kWithin * truth.scale);
@@ -123,19 +123,19 @@ TEST(Alignment, RecoversOffsetScaleAndRotation) {
 
 TEST(Alignment, RecoversThemFromNoisyVergence) {
   constexpr double kWithin = 0.15;
-  const SurfelCloud cloud = room();
+  const Scene scene{room()};
   const SceneAlignment truth = turned(-70.0, 1.0, {-0.5, -0.2, 0.8});
-  const auto sights = recorded(cloud, truth, 0.05);
-  const AlignmentSearch found = searchAlignment(cloud, sights, {}, kUp, kFew);
+  const auto sights = recorded(scene, truth, 0.05);
+  const AlignmentSearch found = searchAlignment(scene, sights, {}, kUp, kFew);
   EXPECT_LT(apart(sights, truth, found.best.alignment), kWithin);
   EXPECT_EQ(found.rivals, 0u);
 }
 
 TEST(Alignment, KeepsARecordingThatFits) {
-  const SurfelCloud cloud = room();
+  const Scene scene{room()};
   const SceneAlignment truth = turned(0.0, 1.0, {0.0, 0.0, 0.0});
   const AlignmentSearch found =
-      searchAlignment(cloud, recorded(cloud, truth, 0.05), truth, kUp, kFew);
+      searchAlignment(scene, recorded(scene, truth, 0.05), truth, kUp, kFew);
   EXPECT_EQ(found.verdict(), Verdict::keep) << verdictText(found);
 }
 
@@ -143,7 +143,8 @@ TEST(Alignment, OfAPlaneProposesNothing) {
   SurfelCloud plane;
   addWall(plane, {-4.0f, 0.0f, -6.0f}, {8.0f, 0, 0}, {0, 0, 8.0f}, 0.1f);
   const SceneAlignment truth = turned(40.0, 1.0, {1.0, 0.5, -0.5});
-  const AlignmentSearch found = searchAlignment(plane, recorded(plane, truth, 0.0), {}, kUp, kFew);
+  const AlignmentSearch found =
+      searchAlignment({plane}, recorded({plane}, truth, 0.0), {}, kUp, kFew);
   EXPECT_EQ(found.verdict(), Verdict::ambiguous) << verdictText(found);
   EXPECT_NE(verdictText(found).find("many poses do as well"), std::string::npos);
 }
@@ -153,9 +154,10 @@ TEST(Alignment, WithoutVergenceInAClosedRoomProposesNothing) {
   addWall(cloud, {-2.0f, 0.0f, 1.5f}, {4.5f, 0, 0}, {0, 2.4f, 0}, 0.08f);
   addWall(cloud, {2.5f, 0.0f, -2.5f}, {0, 0, 4.0f}, {0, 2.4f, 0}, 0.08f);
   addWall(cloud, {-2.0f, 2.4f, -2.5f}, {4.5f, 0, 0}, {0, 0, 4.0f}, 0.08f);
+  const Scene scene{cloud};
   const SceneAlignment truth = turned(40.0, 1.0, {6.0, 0.5, -0.5});
   const AlignmentSearch found =
-      searchAlignment(cloud, recorded(cloud, truth, std::nullopt), {}, kUp, kFew);
+      searchAlignment(scene, recorded(scene, truth, std::nullopt), {}, kUp, kFew);
   EXPECT_EQ(found.verdict(), Verdict::ambiguous) << verdictText(found);
 }
 
@@ -163,17 +165,17 @@ TEST(Alignment, OfASceneThatGazeCannotHaveMetFitsNothing) {
   // A pole is all there is, and gaze goes everywhere.
   SurfelCloud pole;
   addBox(pole, {-0.1f, 0.0f, -0.1f}, {0.2f, 1.0f, 0.2f}, 0.03f);
-  const auto sights = recorded(room(), turned(0.0, 1.0, {0.0, 0.0, 0.0}), 0.0);
-  const AlignmentSearch found = searchAlignment(pole, sights, {}, kUp, kFew);
+  const auto sights = recorded({room()}, turned(0.0, 1.0, {0.0, 0.0, 0.0}), 0.0);
+  const AlignmentSearch found = searchAlignment({pole}, sights, {}, kUp, kFew);
   EXPECT_EQ(found.verdict(), Verdict::nothing_fits) << verdictText(found);
 }
 
 TEST(Alignment, TurnsTheRecordingsVerticalToTheScenes) {
-  const SurfelCloud cloud = room();
-  const auto sights = recorded(cloud, {}, 0.0);
+  const Scene scene{room()};
+  const auto sights = recorded(scene, {}, 0.0);
   SceneAlignment tilted;  // a quarter turn about x
   tilted.rotation = {std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)};
-  const AlignmentSearch found = searchAlignment(cloud, sights, tilted, kUp, kFew);
+  const AlignmentSearch found = searchAlignment(scene, sights, tilted, kUp, kFew);
   const glm::dvec4& r = found.best.alignment.rotation;
   const glm::dvec3 up = glm::dquat(r.w, r.x, r.y, r.z) * kUp;
   EXPECT_LT(glm::distance(up, kUp), 1e-9);
@@ -189,7 +191,7 @@ TEST(SceneVoxels, AnswerWithinACube) {
   SurfelCloud wall;
   addWall(wall, {-1.0f, -1.0f, -2.0f}, {2.0f, 0, 0}, {0, 2.0f, 0}, 0.05f);
   addWall(wall, {-1.0f, -1.0f, -2.0f}, {2.0f, 0, 0}, {0, 0, 2.0f}, 0.05f);
-  const SceneVoxels voxels(wall, {-1.0, -1.0, -2.0}, {1.0, 1.0, 0.0});
+  const SceneVoxels voxels({wall}, {-1.0, -1.0, -2.0}, {1.0, 1.0, 0.0});
   for (const glm::dvec3 eye_m : {glm::dvec3(0.1, 0.2, 1.0), glm::dvec3(0.3, -0.2, -0.5)}) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(0.1, 0.15, -1.0));
     const auto met_m = voxels.distance_m(eye_m, direction);

@@ -37,10 +37,10 @@ SurfelCloud wallOf(const glm::vec3& towards, const glm::vec3& up) {
 
 /// Gaze rests on a pole in the middle of the wall: high along `up`, narrow across it.
 struct Looked {
-  Looked(const glm::vec3& towards, const glm::vec3& up) : cloud(wallOf(towards, up)) {
+  Looked(const glm::vec3& towards, const glm::vec3& up) : scene{wallOf(towards, up)} {
     const glm::vec3 right = glm::cross(towards, up);
     gaze.up = up;
-    for (const glm::vec3& p : positionsOf(cloud)) {
+    for (const glm::vec3& p : scene.position_m()) {
       const bool on_pole = std::abs(glm::dot(p, right)) < 0.1f && std::abs(glm::dot(p, up)) < 0.6f;
       gaze.attention_s.push_back(on_pole ? 0.01 : 0.0);
       gaze.heat_s_per_m2.push_back(gaze.attention_s.back() / (0.03 * 0.03));
@@ -49,7 +49,7 @@ struct Looked {
                      .valid = true,
                      .hit = SightHit{.point_m = 3.0 * glm::dvec3(towards), .distance_m = 3.0}}};
   }
-  SurfelCloud cloud;
+  Scene scene;
   GazeInScene gaze;
 };
 
@@ -74,8 +74,8 @@ TEST(HeatPictures, ShowTheHeatUpright) {
       {{0.0f, 0.0f, -1.0f}, {0.0f, 1.0f, 0.0f}}, {{0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}}};
   for (const auto& [towards, up] : views) {
     const Looked looked(towards, up);
-    const HeatMap map = heatMapOf(looked.cloud, looked.gaze);
-    const auto pictures = heatPictures(map.cloud, looked.gaze);
+    const HeatMap map = heatMapOf(looked.scene, looked.gaze);
+    const auto pictures = heatPictures(map.scene, looked.gaze);
     ASSERT_EQ(pictures.size(), 2u);
     for (const HeatPicture& picture : pictures) {
       const cv::Rect pole = colouredIn(picture);
@@ -86,7 +86,7 @@ TEST(HeatPictures, ShowTheHeatUpright) {
 }
 
 /// What a cone of 0.02 rad meets first.
-std::vector<SurfelShare> lookedAt(const SurfelCloud& scene, const glm::dvec3& towards) {
+std::vector<SurfelShare> lookedAt(const Scene& scene, const glm::dvec3& towards) {
   const auto hit = SurfaceQuery(scene).hit(glm::dvec3(0.0), glm::normalize(towards), 0.02, 0.5);
   return hit ? hit->surfels : std::vector<SurfelShare>{};
 }
@@ -104,10 +104,9 @@ TEST(HeatMap, OfGaussiansHasTheTimeOfGazeAndItsDensity) {
       wall.color.emplace_back(0.5f);
     }
   }
-  SurfelCloud scene;
-  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(wall));
+  const Scene scene{std::move(wall)};
   GazeInScene gaze;
-  gaze.attention_s.assign(scene.gaussians->size(), 0.0);
+  gaze.attention_s.assign(scene.position_m().size(), 0.0);
   gaze.heat_s_per_m2 = gaze.attention_s;
   // Gaze rests for 1 s on each of 21 x 21 places, a centimetre apart.
   double shares = 0.0;
@@ -128,14 +127,14 @@ TEST(HeatMap, OfGaussiansHasTheTimeOfGazeAndItsDensity) {
 
   const HeatMap map = heatMapOf(scene, gaze);
   EXPECT_NEAR(map.most_s_per_m2, 1e4, 0.1e4);
-  const std::vector<glm::vec3>& colors = map.cloud.gaussians->color;
+  const std::vector<glm::vec3>& colors = map.scene.gaussians()->color;
   EXPECT_EQ(colors[0].x, colors[0].y) << "grey where nobody looked";
   EXPECT_GT(colors[middle].x, colors[middle].z + 0.3f) << "bright yellow";
 }
 
 TEST(HeatMap, StatesItsScaleInSecondsPerSquareMetre) {
   const Looked looked({0.0f, 0.0f, -1.0f}, {0.0f, 1.0f, 0.0f});
-  const HeatMap map = heatMapOf(looked.cloud, looked.gaze);
+  const HeatMap map = heatMapOf(looked.scene, looked.gaze);
   EXPECT_NEAR(map.most_s_per_m2, 0.01 / (0.03 * 0.03), 0.01);
   EXPECT_NE(heatBarHtml(map.most_s_per_m2).find("11.1 s/m&sup2;"), std::string::npos);
 }

@@ -19,7 +19,7 @@ namespace FOCI_FILE {
 constexpr float kRounding_m = 1e-4f;
 
 /// A wall across the line of sight along +y, 2 m away, with z upwards; a point far behind it.
-SurfelCloud wallOf(int n) {
+Scene wallOf(int n) {
   SurfelCloud cloud;
   for (int i = 0; i < n * n; ++i) {
     const float x = static_cast<float>(i % n) / static_cast<float>(n) - 0.5f;
@@ -28,7 +28,7 @@ SurfelCloud wallOf(int n) {
                  glm::vec3(1.0f, 0.0f, 0.0f));
   }
   appendSurfel(cloud, {0.0f, 900.0f, 0.0f}, {0.0f, -1.0f, 0.0f}, 0.01f, 1e-4f, glm::vec3(1.0f));
-  return cloud;
+  return {cloud};
 }
 
 /// Gaze rests on the wall's right, and once meets nothing.
@@ -70,9 +70,9 @@ TEST(SceneView, LeavesOutWhatIsFar) {
 }
 
 TEST(SceneView, ShowsAPointAsOftenAsItIsOpaque) {
-  SurfelCloud cloud = wallOf(100);
+  auto cloud = std::get<SurfelCloud>(wallOf(100).splats);
   cloud.opacity.assign(cloud.size(), 0.15f);
-  const auto view = sceneViewOf(cloud, gazeOnTheRight());
+  const auto view = sceneViewOf({cloud}, gazeOnTheRight());
   EXPECT_EQ(view->points_near, 10'000u);
   EXPECT_NEAR(static_cast<double>(view->points.size()), 1500.0, 15.0);
 }
@@ -93,14 +93,12 @@ TEST(SceneView, ThinsEvenly) {
 }
 
 TEST(SceneView, ShowsGaussians) {
-  auto gaussians = std::make_shared<GaussianCloud>();
-  gaussians->position_m = {{0.2f, 2.0f, 0.0f}};
-  gaussians->covariance_m2 = {covarianceOf({0.1f, 0.1f, 0.0f}, {0.0f, 0.0f, 0.0f, 1.0f})};
-  gaussians->opacity = {1.0f};
-  gaussians->color = {{0.0f, 1.0f, 2.0f}};
-  SurfelCloud cloud;
-  cloud.gaussians = gaussians;
-  const auto view = sceneViewOf(cloud, gazeOnTheRight());
+  GaussianCloud cloud;
+  cloud.position_m = {{0.2f, 2.0f, 0.0f}};
+  cloud.covariance_m2 = {covarianceOf({0.1f, 0.1f, 0.0f}, {0.0f, 0.0f, 0.0f, 1.0f})};
+  cloud.opacity = {1.0f};
+  cloud.color = {{0.0f, 1.0f, 2.0f}};
+  const auto view = sceneViewOf({cloud}, gazeOnTheRight());
   ASSERT_EQ(view->points.size(), 1u);
   EXPECT_EQ(view->points[0].color, glm::u8vec3(0, 255, 255));
   EXPECT_NEAR(view->points[0].radius_m, 0.1f, kRounding_m);

@@ -20,7 +20,7 @@ namespace FOCI_FILE {
 constexpr double kRate_Hz = 250.0, kFps = 30.0;
 
 /// A wall of coloured points, 2 m away on the left and 0.7 m on the right.
-SurfelCloud steppedWall() {
+Scene steppedWall() {
   SurfelCloud cloud;
   std::uint32_t noise = 1;
   const auto next = [&] {
@@ -39,7 +39,7 @@ SurfelCloud steppedWall() {
       }
     }
   }
-  return cloud;
+  return {cloud};
 }
 
 /// A small screen of 27 px a degree, on which one dioptre of defocus gives a blur radius of 6 px.
@@ -76,9 +76,9 @@ std::optional<glm::dvec2> jumping(double time_s) {
 /// A session that follows a gaze with 2 px of noise.
 class Watch {
  public:
-  Watch(const Study& watched, const SurfelCloud& cloud, Gaze gaze)
+  Watch(const Study& watched, const Scene& scene, Gaze gaze)
       : study(watched),
-        session(sessionSettingsOf(watched), cloud, watched.screenInForce(), kRate_Hz, 0.0),
+        session(sessionSettingsOf(watched), scene, watched.screenInForce(), kRate_Hz, 0.0),
         gaze_(std::move(gaze)) {}
 
   FrameRecord look(double time_s) {
@@ -106,12 +106,12 @@ class Watch {
 double focusOf(const RenderRequest& request) { return request.eyes[0].settings.defocus.focus_D; }
 
 TEST(FrameReuse, AnEyeAtRestIsRenderedOnce) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   for (const bool foveated : {false, true}) {
     Study study = wallStudy();
     study.focus.fixed_D = 1.0;
     study.quality.foveated = foveated;
-    Watch watch(study, cloud, [](double) { return kFar; });
+    Watch watch(study, scene, [](double) { return kFar; });
     int rendered = 0;
     for (int i = 0; i < 60; ++i) {
       FrameRecord record = watch.look(0.1 + i / kFps);
@@ -128,11 +128,11 @@ TEST(FrameReuse, AnEyeAtRestIsRenderedOnce) {
 class FocusSteps : public testing::TestWithParam<double> {};
 
 TEST_P(FocusSteps, AreATenthOfAPixelOfBlurForEachStepOfTolerance) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   Study study = wallStudy();
   study.quality.tolerance = GetParam();
   const double max_px = std::min(0.1 * GetParam(), kPx_per_D / 32.0);
-  Watch watch(study, cloud, [](double time_s) { return time_s < 2.0 ? kFar : kNear; });
+  Watch watch(study, scene, [](double time_s) { return time_s < 2.0 ? kFar : kNear; });
   std::optional<RenderRequest> last;
   double before_D = 0.0;  // focus of the observer in the frame before
   int changes = 0, late = 0;
@@ -164,13 +164,13 @@ TEST_P(FocusSteps, AreATenthOfAPixelOfBlurForEachStepOfTolerance) {
 INSTANTIATE_TEST_SUITE_P(Tolerances, FocusSteps, testing::Values(0.3, 1.0, 10.0));
 
 TEST(FrameReuse, NoOneSeesThatAFrameIsReused) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   for (const bool foveated : {false, true}) {
     Study study = wallStudy();
     study.quality.foveated = foveated;
-    Watch watch(study, cloud, jumping);
+    Watch watch(study, scene, jumping);
     study.render.method = "auto:4";  // follows the eye exactly, at the same quality level
-    Watch exact(study, cloud, jumping);
+    Watch exact(study, scene, jumping);
     int rendered = 0, frames = 0;
     float worst = 0.0f;
     for (; frames < 3.3 * kFps; ++frames) {
@@ -191,10 +191,10 @@ TEST(FrameReuse, NoOneSeesThatAFrameIsReused) {
 }
 
 TEST(FrameReuse, NothingIsRenderedInASaccadeOrABlink) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   Study study = wallStudy();
   study.quality.foveated = true;
-  Watch watch(study, cloud, jumping);
+  Watch watch(study, scene, jumping);
   int saccades = 0, blinks = 0, landings = 0;
   std::optional<GazeState> before;
   for (int i = 0; i < 300; ++i) {
@@ -217,13 +217,13 @@ TEST(FrameReuse, NothingIsRenderedInASaccadeOrABlink) {
 }
 
 TEST(FrameReuse, AHeadThatMovesInASaccadeKeepsTheGazeBefore) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   Study study = wallStudy();
   study.quality.foveated = true;
   study.eye.path = {
       {.time_s = 0.0, .position_m = {0, 0, 0}, .look_at_m = {0, 0, -1}, .up = {}},
       {.time_s = 4.0, .position_m = {0.02, 0, 0}, .look_at_m = {0.02, 0, -1}, .up = {}}};
-  Watch watch(study, cloud, jumping);
+  Watch watch(study, scene, jumping);
   std::optional<RenderRequest> last;
   int saccades = 0;
   for (int i = 0; i < 110; ++i) {
@@ -241,7 +241,7 @@ TEST(FrameReuse, AHeadThatMovesInASaccadeKeepsTheGazeBefore) {
 }
 
 TEST(FrameReuse, ARunMayBeginInASaccadeOrWithoutGaze) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   const Gaze runs[] = {[](double time_s) { return glm::mix(kFar, kNear, 15.0 * time_s); },
                        [](double) { return std::nullopt; }};
   for (const bool foveated : {false, true}) {
@@ -249,7 +249,7 @@ TEST(FrameReuse, ARunMayBeginInASaccadeOrWithoutGaze) {
       Study study = wallStudy();
       study.gaze.events.detector = Detector::rules;  // steady fast motion is a saccade
       study.quality.foveated = foveated;
-      Watch watch(study, cloud, gaze);
+      Watch watch(study, scene, gaze);
       FrameRecord record = watch.look(0.06);
       EXPECT_FALSE(isStable(record.eye.state));
       const Frame& frame = watch.session.render("auto", record);
@@ -263,10 +263,10 @@ TEST(FrameReuse, ARunMayBeginInASaccadeOrWithoutGaze) {
 }
 
 TEST(FrameReuse, EveryChangeOfAKeyIsRendered) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   Study study = wallStudy();
   study.focus.fixed_D = 1.0;
-  Watch watch(study, cloud, [](double) { return kFar; });
+  Watch watch(study, scene, [](double) { return kFar; });
   double time_s = 0.1;
   const auto renderedNow = [&] {
     FrameRecord record = watch.look(time_s += 1.0 / kFps);
@@ -291,11 +291,11 @@ TEST(FrameReuse, EveryChangeOfAKeyIsRendered) {
 }
 
 TEST(FrameReuse, OtherMethodsRenderTheRecordAsItIsOnce) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   for (const char* method : {"sweep", "auto:4", "pinhole"}) {
     Study study = wallStudy();
     study.render.method = method;
-    Watch watch(study, cloud, [](double time_s) { return time_s < 0.5 ? kFar : kNear; });
+    Watch watch(study, scene, [](double time_s) { return time_s < 0.5 ? kFar : kNear; });
     std::optional<double> before_D;
     int same = 0;
     for (int i = 0; i < 60; ++i) {
@@ -312,11 +312,11 @@ TEST(FrameReuse, OtherMethodsRenderTheRecordAsItIsOnce) {
 }
 
 TEST(FrameReuse, AMethodThatMendsItsImageGoesOn) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   Study study = wallStudy();
   study.focus.fixed_D = 3.0;
   study.render.method = "fearing:20";
-  Watch watch(study, cloud, [](double) { return kFar; });
+  Watch watch(study, scene, [](double) { return kFar; });
   std::vector<glm::vec4> first, last;
   for (int i = 0; i < 10; ++i) {
     FrameRecord record = watch.look(i / kFps);
@@ -330,10 +330,10 @@ TEST(FrameReuse, AMethodThatMendsItsImageGoesOn) {
 }
 
 TEST(FrameReuse, ARestartedRunRendersItsFirstFrame) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   Study study = wallStudy();
   study.focus.fixed_D = 1.0;
-  Watch watch(study, cloud, [](double) { return kFar; });
+  Watch watch(study, scene, [](double) { return kFar; });
   for (int i = 0; i < 3; ++i) {
     FrameRecord record = watch.look(1.0 + i / kFps);
     watch.session.render("auto", record);
@@ -346,7 +346,7 @@ TEST(FrameReuse, ARestartedRunRendersItsFirstFrame) {
 }
 
 TEST(FrameReuse, FramesAreThoseOfEveryRequestAtAnyNumberOfThreads) {
-  const SurfelCloud cloud = steppedWall();
+  const Scene scene = steppedWall();
   for (const bool foveated : {false, true}) {
     Study study = wallStudy();
     study.quality.foveated = foveated;
@@ -354,7 +354,7 @@ TEST(FrameReuse, FramesAreThoseOfEveryRequestAtAnyNumberOfThreads) {
     std::vector<RenderRequest> requests;
     for (const unsigned threads : {1u, 4u}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      Watch watch(study, cloud, jumping);
+      Watch watch(study, scene, jumping);
       auto& frames = runs.emplace_back();
       requests.clear();
       for (int i = 0; i < 40; ++i) {
@@ -363,7 +363,7 @@ TEST(FrameReuse, FramesAreThoseOfEveryRequestAtAnyNumberOfThreads) {
         frames.push_back(watch.session.render("auto", record));
       }
     }
-    FrameRenderer renderer(cloud);
+    FrameRenderer renderer(scene);
     RenderedFrame rendered;
     for (std::size_t i = 0; i < requests.size(); ++i) {
       renderer.render(requests[i], rendered);

@@ -21,7 +21,8 @@ TEST(GpuFallback, TheCpuGoesOnWhereTheGpuFails) {
   if (!gpu->isSoftware()) GTEST_SKIP() << "this GPU renders what the software driver cannot";
   SurfelCloud cloud;  // more splats in a tile than the software driver sorts
   addSheet(cloud, 2.0f, 1.0f, 330, {0.2f, 0.7f, 0.4f});
-  FrameRenderer on_cpu(cloud), on_gpu(cloud, gpu);
+  const Scene scene{cloud};
+  FrameRenderer on_cpu(scene), on_gpu(scene, gpu);
   EXPECT_EQ(on_gpu.deviceOf("sweep"), gpu->text());
   RenderedFrame expected, frame;
   on_cpu.render(requestOf("sweep"), expected);
@@ -36,7 +37,8 @@ TEST(GpuFallback, AMethodWithoutCodeForTheGpuRendersOnTheCpu) {
   FOCI_NEEDS_GPU(gpu);
   SurfelCloud cloud;
   addSheet(cloud, 2.0f, 1.0f, 20, {0.2f, 0.7f, 0.4f});
-  FrameRenderer on_cpu(cloud), on_gpu(cloud, gpu);
+  const Scene scene{cloud};
+  FrameRenderer on_cpu(scene), on_gpu(scene, gpu);
   RenderedFrame expected, frame;
   on_cpu.render(requestOf("paper"), expected);
   on_gpu.render(requestOf("paper"), frame);
@@ -54,8 +56,9 @@ TEST(GpuFallback, ASessionNamesBothDevices) {
   settings.method = "sweep";
   settings.device = RenderDevice::gpu;
   settings.output.size_px = {32, 18};
-  Session session(settings, cloud, settings.screen, 1000.0, 0.0, device.gpu);
-  const std::string cpu = FrameRenderer(cloud).deviceOf("sweep"), gpu = device.gpu->text();
+  const Scene scene{cloud};
+  Session session(settings, scene, settings.screen, 1000.0, 0.0, device.gpu);
+  const std::string cpu = FrameRenderer(scene).deviceOf("sweep"), gpu = device.gpu->text();
   EXPECT_EQ(session.devices(), gpu);  // before the first frame
   const auto render = [&](double time_s, double x_px) {
     FrameRecord record = session.lookSettled(time_s, {x_px, 100.0});
@@ -77,7 +80,8 @@ TEST(GpuFallback, APreparedBudgetAndALuminancePupilGoOnOnTheCpu) {
   {
     const LosableDevice device = losableDevice();
     if (!device.gpu) GTEST_SKIP() << "no OpenGL 4.5 on this machine";
-    FrameRenderer renderer(cloud, device.gpu);
+    const Scene scene{cloud};
+    FrameRenderer renderer(scene, device.gpu);
     RenderRequest request = requestOf("auto");
     request.eyes[0].settings.quality.frame_ms = 5.0f;
     RenderedFrame frame;
@@ -94,7 +98,8 @@ TEST(GpuFallback, APreparedBudgetAndALuminancePupilGoOnOnTheCpu) {
   settings.device = RenderDevice::gpu;
   settings.output.size_px = {32, 18};
   settings.observer.pupil = PupilModel::luminance;
-  Session session(settings, cloud, settings.screen, 1000.0, 0.0, device.gpu);
+  const Scene scene{cloud};
+  Session session(settings, scene, settings.screen, 1000.0, 0.0, device.gpu);
   *device.lost = true;
   EXPECT_NO_THROW(session.lookSettled(0.0, {100.0, 100.0}));  // shows the pupil its first frame
   EXPECT_NE(session.deviceRemark(), "");

@@ -67,7 +67,8 @@ class KeptFrame : public ::testing::Test {
 
 TEST_F(KeptFrame, TheTextureIsTheImage) {
   FOCI_NEEDS_GPU(gpu);
-  FrameRenderer renderer(cloud, gpu);
+  const Scene scene{cloud};
+  FrameRenderer renderer(scene, gpu);
   for (const RenderRequest& request : requests()) {
     for (const std::optional<double> gamma : {std::optional<double>(), std::optional(2.2)}) {
       if (gamma && request.stereo != StereoView::anaglyph) continue;
@@ -90,7 +91,8 @@ TEST_F(KeptFrame, TheTextureIsTheImage) {
 
 TEST_F(KeptFrame, ReadLaterHasTheSameBytes) {
   FOCI_NEEDS_GPU(gpu);
-  FrameRenderer renderer(cloud, gpu);
+  const Scene scene{cloud};
+  FrameRenderer renderer(scene, gpu);
   for (const RenderRequest& request :
        {requestOf(StereoView::mono, false, true), requestOf(StereoView::side_by_side, true)}) {
     RenderedFrame at_once, kept;
@@ -114,7 +116,8 @@ TEST_F(KeptFrame, ReadLaterHasTheSameBytes) {
 TEST_F(KeptFrame, TheCpuRendersWhatALostContextTook) {
   const LosableDevice device = losableDevice();
   if (!device.gpu) GTEST_SKIP() << "no OpenGL 4.5 on this machine";
-  FrameRenderer on_cpu(cloud), renderer(cloud, device.gpu);
+  const Scene scene{cloud};
+  FrameRenderer on_cpu(scene), renderer(scene, device.gpu);
   RenderRequest request = requestOf(StereoView::side_by_side);
   request.method = "auto";
   RenderedFrame kept, expected;
@@ -140,7 +143,8 @@ TEST_F(KeptFrame, TheCpuRendersWhatALostContextTook) {
 TEST_F(KeptFrame, TheCpuRendersWhatCannotBeShown) {
   const LosableDevice device = losableDevice();
   if (!device.gpu) GTEST_SKIP() << "no OpenGL 4.5 on this machine";
-  FrameRenderer on_cpu(cloud), renderer(cloud, device.gpu);
+  const Scene scene{cloud};
+  FrameRenderer on_cpu(scene), renderer(scene, device.gpu);
   const RenderRequest request = requestOf(StereoView::mono);
   RenderedFrame kept, expected;
   renderer.renderKept(request, kept);
@@ -153,7 +157,8 @@ TEST_F(KeptFrame, TheCpuRendersWhatCannotBeShown) {
 
 TEST_F(KeptFrame, EveryFrameHasFullQualityWhileItsTimeAllowsIt) {
   FOCI_NEEDS_GPU(gpu);
-  FrameRenderer renderer(cloud, gpu);
+  const Scene scene{cloud};
+  FrameRenderer renderer(scene, gpu);
   RenderRequest request = requestOf(StereoView::mono);
   request.method = "auto";
   RenderedFrame frame;

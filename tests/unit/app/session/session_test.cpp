@@ -54,7 +54,7 @@ TEST(OnOtherScreen, OfTheSameScreenIsTheSamePoint) {
 }
 
 /// A wall across the line of sight, 2 m away.
-SurfelCloud wall() {
+Scene wall() {
   SurfelCloud cloud;
   for (int i = 0; i < 60; ++i) {
     for (int j = 0; j < 60; ++j) {
@@ -62,7 +62,7 @@ SurfelCloud wall() {
                    0.02f * kSigmaPerSpacing, 4e-4f, glm::vec3(0.5f));
     }
   }
-  return cloud;
+  return {cloud};
 }
 
 Study wallStudy() {
@@ -75,9 +75,9 @@ Study wallStudy() {
 
 TEST(Session, FindsTheSurfaceUnderAPointAndShowsItThere) {
   const Study study = wallStudy();
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   const Screen screen = study.screenInForce();
-  const Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
+  const Session session(sessionSettingsOf(study), scene, screen, 100.0, 0.0);
   const glm::dvec2 point_px = glm::dvec2(0.55, 0.45) * glm::dvec2(screen.size_px);
   const auto point_m = session.surfaceUnder_m(0.0, point_px);
   ASSERT_TRUE(point_m);
@@ -97,9 +97,9 @@ TEST(Session, FindsTheSurfaceUnderAPointAndShowsItThere) {
 
 TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   const Study study = wallStudy();
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   const Screen screen = study.screenInForce();
-  Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
+  Session session(sessionSettingsOf(study), scene, screen, 100.0, 0.0);
   FrameRecord record;
   for (int i = 0; i <= 20; ++i) {
     session.push(
@@ -117,12 +117,12 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
 
 /// Reading a state at each sample, as `foci live` does not, but Python may.
 TEST(Session, StatesHoldTheSurfaceOfAFrameWithinAHundredthOfADioptre) {
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   Study study = wallStudy();
   study.eye.look_at_m = glm::dvec3(-0.4, 0.0, -2.0);
   const SessionSettings settings = sessionSettingsOf(study);
-  Session reader(settings, cloud, settings.screen, 1000.0, 0.0);
-  Session renderer(settings, cloud, settings.screen, 1000.0, 0.0);
+  Session reader(settings, scene, settings.screen, 1000.0, 0.0);
+  Session renderer(settings, scene, settings.screen, 1000.0, 0.0);
   int held = 0;
   double before_m = 0.0;
   for (int i = 0; i < 400; ++i) {
@@ -158,10 +158,10 @@ TEST(Session, StatesHoldTheSurfaceOfAFrameWithinAHundredthOfADioptre) {
 TEST(Session, RefusesAMethodThatCannotRenderTheScene) {
   GaussianCloud gaussians;
   addWall(gaussians, 2.0f, 1.2f, 20, 0.9f, glm::vec3(0.5f));
-  const SurfelCloud cloud = sceneOf(std::move(gaussians));
+  const Scene scene{std::move(gaussians)};
   Study study = wallStudy();
   const SessionSettings settings = sessionSettingsOf(study);
-  Session session(settings, cloud, settings.screen, 100.0, 0.0);
+  Session session(settings, scene, settings.screen, 100.0, 0.0);
   EXPECT_THROW(changeLive(study, session, "render.method", "\"paper\""), InputError);
   EXPECT_EQ(study.render.method, settings.method);
   FrameRecord record = session.look(0.0);
@@ -171,15 +171,15 @@ TEST(Session, RefusesAMethodThatCannotRenderTheScene) {
 }
 
 TEST(Session, LooksSettledAsAfterALongFixation) {
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   for (const char* method : {"auto", "sweep"}) {
     Study study = wallStudy();
     study.render.method = method;
     study.observer.pupil = PupilModel::luminance;
     study.focus.accommodation.on = false;  // otherwise focus comes to rest asymptotically
     const SessionSettings settings = sessionSettingsOf(study);
-    Session fixating(settings, cloud, settings.screen, 100.0, 0.0);
-    Session settled(settings, cloud, settings.screen, 100.0, 0.0);
+    Session fixating(settings, scene, settings.screen, 100.0, 0.0);
+    Session settled(settings, scene, settings.screen, 100.0, 0.0);
     const glm::dvec2 point_px = 0.4 * glm::dvec2(settings.screen.size_px);
     FrameRecord after;
     for (int i = 0; i <= 20; ++i) {
@@ -195,9 +195,9 @@ TEST(Session, LooksSettledAsAfterALongFixation) {
 }
 
 TEST(Session, RefusesSettingsAndStaysAsItWas) {
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   const SessionSettings good = sessionSettingsOf(wallStudy());
-  Session session(good, cloud, good.screen, 100.0, 0.0);
+  Session session(good, scene, good.screen, 100.0, 0.0);
   FrameRecord record = session.lookSettled(0.0, {960, 540});
   const Frame before = session.render(good.method, record);
   SessionSettings unknown = good, odd = good;
@@ -206,7 +206,7 @@ TEST(Session, RefusesSettingsAndStaysAsItWas) {
   odd.output = {.size_px = {63, 36}, .stereo = StereoView::side_by_side};
   EXPECT_THROW(session.changeSettings(unknown), InputError);
   EXPECT_THROW(session.changeSettings(odd), InputError);
-  EXPECT_THROW(Session(odd, cloud, odd.screen, 100.0, 0.0), InputError);
+  EXPECT_THROW(Session(odd, scene, odd.screen, 100.0, 0.0), InputError);
   record = session.lookSettled(0.1, {960, 540});
   EXPECT_EQ(record.pupil_mm, good.observer.pupil_mm);
   EXPECT_EQ(session.render(good.method, record).rgba, before.rgba);
@@ -215,11 +215,11 @@ TEST(Session, RefusesSettingsAndStaysAsItWas) {
 TEST(Session, SharpHalfIgnoresThePupil) {
   Study study = wallStudy();
   study.output.split = true;
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   Frame small, large;
   for (const auto& [pupil_mm, frame] : {std::pair{2.0, &small}, std::pair{8.0, &large}}) {
     study.observer.pupil_mm = pupil_mm;
-    Session session(sessionSettingsOf(study), cloud, study.screenInForce(), 100.0, 0.0);
+    Session session(sessionSettingsOf(study), scene, study.screenInForce(), 100.0, 0.0);
     FrameRecord record = session.look(0.0);
     *frame = session.render("sweep", record);
   }
@@ -237,9 +237,9 @@ TEST(Session, SharpHalfIgnoresThePupil) {
 }
 
 /// Record and frame of an observer who has looked at the wall, 0.5 D away, for 0.2 s.
-std::pair<FrameRecord, Frame> seenBy(const Study& study, const SurfelCloud& cloud) {
+std::pair<FrameRecord, Frame> seenBy(const Study& study, const Scene& scene) {
   const Screen screen = study.screenInForce();
-  Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
+  Session session(sessionSettingsOf(study), scene, screen, 100.0, 0.0);
   FrameRecord record;
   for (int i = 0; i <= 20; ++i) {
     session.push(
@@ -251,37 +251,37 @@ std::pair<FrameRecord, Frame> seenBy(const Study& study, const SurfelCloud& clou
 }
 
 TEST(ObserverEye, WithGlassesIsAnEmmetropeByteForByte) {
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   Study study = wallStudy();
   study.focus.fixed_D = 3.0;  // some blur
-  const Frame emmetrope = seenBy(study, cloud).second;
+  const Frame emmetrope = seenBy(study, scene).second;
   study.observer.sphere_D = -4.0;
   study.observer.cylinder_D = -2.0;
   study.observer.axis_deg = 70.0;
-  EXPECT_EQ(seenBy(study, cloud).second.rgba, emmetrope.rgba);
+  EXPECT_EQ(seenBy(study, scene).second.rgba, emmetrope.rgba);
   study.observer.corrected = false;
-  EXPECT_NE(seenBy(study, cloud).second.rgba, emmetrope.rgba);
+  EXPECT_NE(seenBy(study, scene).second.rgba, emmetrope.rgba);
 }
 
 TEST(ObserverEye, ShortSightedSeesNothingSharpBeyondItsFarPoint) {
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   Study study = wallStudy();
   study.observer.sphere_D = -2.0;
   study.observer.corrected = false;
-  const FrameRecord record = seenBy(study, cloud).first;
+  const FrameRecord record = seenBy(study, scene).first;
   EXPECT_NEAR(*record.eye.target_D, 0.5, 1e-3);  // the cone of half a degree
   EXPECT_EQ(record.eye.focus_D, 2.0);
   // The blur is that of an emmetrope who focuses on half a metre.
   Study near_study = wallStudy();
   near_study.focus.fixed_D = 2.0;
-  EXPECT_EQ(seenBy(study, cloud).second.rgba, seenBy(near_study, cloud).second.rgba);
+  EXPECT_EQ(seenBy(study, scene).second.rgba, seenBy(near_study, scene).second.rgba);
 }
 
 TEST(ObserverEye, GlassesComeOffWhileItRuns) {
   Study study = wallStudy();
-  const SurfelCloud cloud = wall();
+  const Scene scene = wall();
   const Screen screen = study.screenInForce();
-  Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
+  Session session(sessionSettingsOf(study), scene, screen, 100.0, 0.0);
   for (int i = 0; i <= 20; ++i) {
     session.push(
         {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});

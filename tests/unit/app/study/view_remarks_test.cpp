@@ -36,7 +36,7 @@ Study studyFrom(const glm::dvec3& eye_m, const glm::dvec3& at_m) {
 }
 
 std::string remarkOn(const Study& study, const SurfelCloud& cloud) {
-  const auto remarks = viewRemarks(study, cloud);
+  const auto remarks = viewRemarks(study, {cloud});
   EXPECT_LE(remarks.size(), 1u);
   return remarks.empty() ? "" : remarks[0];
 }
@@ -74,8 +74,8 @@ TEST(ViewRemarks, NothingInViewNamesTheKeyAndThePlace) {
   };
   SurfelCloud away = sphere(1.0f);
   for (glm::vec3& p : away.position_m) p.z += 4.0f;  // 14.5 degrees to each side
-  EXPECT_TRUE(isSceneInView(turned(37.0), away));
-  EXPECT_FALSE(isSceneInView(turned(41.0), away));
+  EXPECT_TRUE(isSceneInView(turned(37.0), {away}));
+  EXPECT_FALSE(isSceneInView(turned(41.0), {away}));
 }
 
 TEST(ViewRemarks, WhereTheHeadMovesTheEyeTheKeysOfItsPlaceAreNamed) {
@@ -111,12 +111,12 @@ TEST(MemoryRemark, NamesTheMethodItsMemoryAndTheMethodsThatTakeLess) {
   for (const char* within :
        {"auto", "auto:3", "sweep-lod:19", "pinhole", "sweep", "accumulate:64"}) {
     study.render.method = within;
-    EXPECT_EQ(memoryRemark(study, cloud, cloud.size() - 1), "") << within;
+    EXPECT_EQ(memoryRemark(study, {cloud}, cloud.size() - 1), "") << within;
   }
   for (const char* beyond : {"paper", "paper-lod", "inflate", "layered:8"}) {
     study.render.method = beyond;
-    EXPECT_EQ(memoryRemark(study, cloud, cloud.size()), "") << beyond;
-    const std::string remark = memoryRemark(study, cloud, cloud.size() - 1);
+    EXPECT_EQ(memoryRemark(study, {cloud}, cloud.size()), "") << beyond;
+    const std::string remark = memoryRemark(study, {cloud}, cloud.size() - 1);
     EXPECT_TRUE(has(remark, std::string("render.method = \"") + beyond + "\"")) << remark;
     EXPECT_TRUE(has(remark, "GB")) << remark;
     EXPECT_TRUE(has(remark, "\"auto\"")) << remark;

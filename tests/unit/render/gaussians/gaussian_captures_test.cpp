@@ -64,7 +64,7 @@ TEST_P(GaussianCaptures, LevelsOfDetailLeaveTheQualityOfSevenSubApertures) {
     // At 10 px both are far above what shows.
     constexpr double kEnough_dB = 48.0;
     EXPECT_GT(psnr_dB(merged, lens), std::min(all_dB - kLoss_dB, kEnough_dB));
-    EXPECT_LT(stats.splats, capture.scene.gaussians->size() * 3 / 4);
+    EXPECT_LT(stats.splats, capture.scene.size() * 3 / 4);
   }
 }
 
@@ -154,7 +154,7 @@ TEST(GaussianCapture, TheSameSceneInTwoFormatsLooksTheSame) {
   }
   constexpr double kGoal_dB = 40.0;
   const Captured ply("biker.compressed.ply", kSize_px), spz("biker.spz", kSize_px);
-  EXPECT_EQ(ply.scene.gaussians->size(), spz.scene.gaussians->size());
+  EXPECT_EQ(ply.scene.size(), spz.scene.size());
   View view = ply.view;
   // SPZ is turned by half a turn about x.
   glm::mat4 turn(1.0f);

@@ -107,7 +107,7 @@ TEST(GaussianCut, ALargeGaussianDoesNotJoinSmallOnes) {
 }
 
 TEST(GaussianCut, WithoutMergingTheImageIsThatOfAllGaussians) {
-  const SurfelCloud scene = sceneOf(ball(3000));
+  const GaussianCloud scene = ball(3000);
   const Frame all = render("pinhole", scene, kView, {});
   const Frame cut = render("sweep-lod:7", scene, kView, {});
   EXPECT_GT(psnr_dB(cut, all), 60.0);
@@ -122,7 +122,7 @@ TEST(GaussianCut, BlurredFogAndSolidsKeepTheirLight) {
   };
   constexpr double kShare = 0.07;
   for (const auto& [opacity, least_dB] : {Ball{1.0f, 38.0}, Ball{0.1f, 50.0}, Ball{0.02f, 73.0}}) {
-    const SurfelCloud scene = sceneOf(ball(20'000, 0.01f, opacity));
+    const GaussianCloud scene = ball(20'000, 0.01f, opacity);
     const RenderSettings settings = lens(60.0f, 1.5f);  // 30 px at its front to 48 px at its back
     const Frame points = render("accumulate:64", scene, kView, settings);
     const Frame merged = render("sweep-lod:19", scene, kView, settings);
@@ -149,7 +149,7 @@ TEST_P(CrowdOfGaussians, OfTwoColoursKeepsItsLight) {
     cloud.opacity[i] = GetParam().opacity;
     cloud.color[i] = glm::vec3(i % 2 == 0 ? 0.1f : 0.9f);
   }
-  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const GaussianCloud& scene = cloud;
   const RenderSettings settings = lens(60.0f, 1.5f);
   const Frame all = render("sweep:19", scene, kView, settings);
   const Frame merged = render("sweep-lod:19", scene, kView, settings);
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(GaussianCut, CrowdOfGaussians,
                                          Crowd{3.0f, 0.05f}));
 
 TEST(GaussianCut, FoveationMergesGaussiansBesideTheGaze) {
-  const SurfelCloud scene = sceneOf(ball(20'000));
+  const GaussianCloud scene = ball(20'000);
   const View view = squareView(256, 200.0f);
   RenderSettings settings;
   const auto method = makeMethod("auto", scene);
@@ -185,7 +185,7 @@ TEST(GaussianCut, FoveationMergesGaussiansBesideTheGaze) {
 }
 
 TEST(GaussianCut, TheUsualMethodsRenderFewerWhereBlurred) {
-  const SurfelCloud scene = sceneOf(ball(20'000));
+  const GaussianCloud scene = ball(20'000);
   const View view = squareView(48, 40.0f);
   for (const char* method : {"sweep-lod", "sweep-lod:1", "auto", "auto:5"}) {
     Frame frame;

@@ -57,10 +57,10 @@ double cutShare(double opacity) {
 }
 
 /// A Gaussian 2 m away with a standard deviation of 4 px.
-SurfelCloud oneGaussian() {
+GaussianCloud oneGaussian() {
   GaussianCloud cloud;
   addGaussian(cloud, {0.0f, 0.0f, -2.0f}, glm::vec3(0.02f), kOpacity, glm::vec3(0.5f));
-  return sceneOf(std::move(cloud));
+  return cloud;
 }
 const View kView = squareView(160, 400.0f);
 constexpr double kSharpVariance_px2 = 16.0;
@@ -123,7 +123,7 @@ TEST(GaussianView, ProjectsASlantedGaussianAsItsPointsDo) {
   GaussianCloud cloud;
   addGaussian(cloud, middle, sigma, kOpacity, glm::vec3(0.5f), rotation);
   const Covariance3 v = cloud.covariance_m2[0];
-  const Spread spread = spreadOf(render("pinhole", sceneOf(std::move(cloud)), kView, {}));
+  const Spread spread = spreadOf(render("pinhole", cloud, kView, {}));
 
   // Points of the same covariance, by its Cholesky factor.
   const double lxx = std::sqrt(v.xx), lxy = v.xy / lxx, lxz = v.xz / lxx;
@@ -159,7 +159,7 @@ TEST(GaussianView, BlursTheDepthOfAGaussianInFocus) {
   // Its middle is in focus, its ends are not.
   GaussianCloud cloud;
   addGaussian(cloud, {0.0f, 0.0f, -1.0f}, {0.01f, 0.01f, 0.1f}, kOpacity, glm::vec3(0.5f));
-  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const GaussianCloud& scene = cloud;
   const RenderSettings settings = lens(80.0f, 1.0f);
   const Spread sharp = spreadOf(render("pinhole", scene, kView, settings));
   const double added = std::pow(80.0 * 0.1, 2.0) / 4.0;  // R^2 e / 4, e = 0.1^2 D^2
@@ -178,7 +178,7 @@ TEST(GaussianView, CompositesInDisplayValues) {
   addGaussian(cloud, {0.0f, 0.0f, -2.0f}, {50.0f, 50.0f, 1e-3f}, 0.5f, {0.0f, 0.0f, 1.0f});
   RenderSettings settings;
   settings.background = {0.0f, linearFromSrgb(0.8f), 0.0f};
-  const Frame frame = render("pinhole", sceneOf(std::move(cloud)), squareView(8, 20.0f), settings);
+  const Frame frame = render("pinhole", cloud, squareView(8, 20.0f), settings);
   const glm::vec4 pixel = frame.at(4, 4);
   constexpr float kSlack = 1e-3f;  // of the polynomials, and of the Gaussians' slopes
   EXPECT_NEAR(pixel.r, linearFromSrgb(0.5f), kSlack);
@@ -194,7 +194,7 @@ TEST(GaussianView, AWallLooksLikeAWallOfSurfels) {
   for (const float depth_m : {1.0f, 1.0005f}) {
     addWall(cloud, depth_m, 0.3f, 60, 0.99f, glm::vec3(shown));
   }
-  const SurfelCloud gaussians = sceneOf(std::move(cloud));
+  const GaussianCloud& gaussians = cloud;
   SurfelCloud surfels;
   addSheet(surfels, 1.0f, 0.3f, 60, glm::vec3(linearFromSrgb(shown)));
   RenderSettings settings = lens(16.0f, 0.5f);  // 8 px
@@ -223,7 +223,7 @@ TEST(GaussianView, DepthIsThatOfTheSurfaceAtThePixel) {
   GaussianCloud cloud;
   addGaussian(cloud, {0.1f, 0.0f, -2.0f}, {1.0f, 1.0f, 1e-4f}, 0.95f, glm::vec3(0.5f),
               {std::sin(0.5f * tilt), 0.0f, 0.0f, std::cos(0.5f * tilt)});
-  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const GaussianCloud& scene = cloud;
   const glm::dvec3 normal(0.0, -std::sin(tilt), std::cos(tilt));
   const View view = squareView(96, 200.0f);
   for (const DistanceAlong along : {DistanceAlong::axis, DistanceAlong::sight}) {
@@ -267,7 +267,7 @@ GaussianCloud randomGaussians(int n) {
 }
 
 TEST(GaussianView, SameBytesAtAnyNumberOfThreads) {
-  const SurfelCloud scene = sceneOf(randomGaussians(5000));
+  const GaussianCloud scene = randomGaussians(5000);
   RenderSettings settings = lens(20.0f, 1.0f);
   settings.depth = true;
   for (const char* method : {"pinhole", "sweep:7", "sweep-lod:7", "accumulate:5", "auto"}) {
@@ -283,7 +283,7 @@ TEST(GaussianView, SameBytesAtAnyNumberOfThreads) {
 }
 
 TEST(GaussianView, StaysFiniteUnderAnyLens) {
-  const SurfelCloud scene = sceneOf(randomGaussians(500));
+  const GaussianCloud scene = randomGaussians(500);
   for (const float radius_px_per_D : {1e6f, std::numeric_limits<float>::infinity()}) {
     for (const char* method : {"sweep", "sweep:7", "sweep-lod:7", "auto", "auto:5"}) {
       const Frame frame = render(method, scene, squareView(5, 5.0f), lens(radius_px_per_D, 0.5f));

@@ -86,7 +86,7 @@ TEST(InterpolateBehind, TakesOffTheLightOfTheDisplayValues) {
 }
 
 /// A scattered sharp layer before far walls of many colours.
-SurfelCloud leavesBeforeAWall(int seed) {
+GaussianCloud leavesBeforeAWall(int seed) {
   GaussianCloud cloud;
   std::mt19937 random(static_cast<unsigned>(seed));
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -102,7 +102,7 @@ SurfelCloud leavesBeforeAWall(int seed) {
   };
   scatter(300, 0.95f, 1.1f, 0.01f, 0.95f);
   scatter(1500, 1.4f, 4.0f, 0.03f, 0.9f);
-  return sceneOf(std::move(cloud));
+  return cloud;
 }
 
 const View kView = squareView(192, 200.0f);
@@ -120,8 +120,8 @@ RenderSettings blurBehind(float blur_px) {
 /// The projected scene, its layers, and the image through the same number of discs in each layer.
 class Layered {
  public:
-  Layered(const SurfelCloud& scene, const RenderSettings& settings)
-      : settings_(settings), view_(*scene.gaussians) {
+  Layered(const GaussianCloud& scene, const RenderSettings& settings)
+      : settings_(settings), view_(scene) {
     discs_ = subApertureDiscs(61);
     pairs_ = pairLensDiscs(discs_, discs_);
     view_.project(kView, settings.defocus, discs_);
@@ -153,10 +153,10 @@ class Layered {
 
 TEST(LayerStack, TellsTheErrorOfOneDisc) {
   for (const float blur_px : {2.0f, 4.0f}) {
-    const SurfelCloud scene = leavesBeforeAWall(1);
+    const GaussianCloud scene = leavesBeforeAWall(1);
     const RenderSettings settings = blurBehind(blur_px);
     const std::vector<LensDisc> one = subApertureDiscs(1), three = subApertureDiscs(3);
-    GaussianView view(*scene.gaussians);
+    GaussianView view(scene);
     std::vector<LensDisc> all = one;
     all.insert(all.end(), three.begin(), three.end());
     view.project(kView, settings.defocus, all);
@@ -187,7 +187,7 @@ TEST(TileLayers, AreSeveralWhereTheSceneBehindIsBlurred) {
   const auto several = [](const std::vector<TileLayers>& layers) {
     return std::ranges::count_if(layers, [](const TileLayers& each) { return each.count > 1; });
   };
-  const SurfelCloud scene = leavesBeforeAWall(1);
+  const GaussianCloud scene = leavesBeforeAWall(1);
   const Layered layered(scene, blurBehind(20.0f));
   EXPECT_GT(several(layered.layers()), 20);
   for (const TileLayers& tile : layered.layers()) {
@@ -206,7 +206,7 @@ TEST(TileLayers, AreSeveralWhereTheSceneBehindIsBlurred) {
 // Through many discs, what layers show is close to the mean of pinholes, and to one layer.
 TEST(TileLayers, ShowWhatOneLayerShows) {
   for (const int seed : {1, 2}) {
-    const SurfelCloud scene = leavesBeforeAWall(seed);
+    const GaussianCloud scene = leavesBeforeAWall(seed);
     const RenderSettings settings = blurBehind(20.0f);
     const Frame lens = render("accumulate:200", scene, kView, settings);
     Layered layered(scene, settings);
@@ -232,7 +232,7 @@ TEST(TileLayers, ShowWhatOneLayerShows) {
 }
 
 TEST(TileLayers, AutoKeepsItsPrediction) {
-  const SurfelCloud scene = leavesBeforeAWall(3);
+  const GaussianCloud scene = leavesBeforeAWall(3);
   const RenderSettings settings = blurBehind(20.0f);
   const Frame lens = render("accumulate:200", scene, kView, settings);
   Frame frame;

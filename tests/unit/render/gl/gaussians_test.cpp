@@ -54,7 +54,7 @@ SceneInView gardenOfTheChart(int size_px) {
 TEST_F(GpuGaussianPicture, IsTheSameOnTheChart) {
   FOCI_NEEDS_GPU(gpu);
   const SceneInView seen = gardenOfTheChart(384);
-  ASSERT_TRUE(seen.cloud.gaussians);
+  ASSERT_TRUE(seen.scene.gaussians());
   const View middle = middleOf(seen.view, 48);
   const double px_per_m = seen.largestBlurThrough_px(1e-3) / 1e-3;
   for (const double blur_px : {0.0, 4.0, 16.0}) {
@@ -63,7 +63,7 @@ TEST_F(GpuGaussianPicture, IsTheSameOnTheChart) {
     settings.quality.tolerance = kOneLayer_JND;
     for (const char* method : {"pinhole", "sweep:7", "accumulate:7", "auto"}) {
       if (blur_px != 4.0 && method != std::string("auto")) continue;
-      expectSamePicture(method, seen.cloud, middle, settings, gpu);
+      expectSamePicture(method, seen.scene, middle, settings, gpu);
     }
   }
 }
@@ -79,8 +79,8 @@ TEST_F(GpuGaussianPicture, IsTheSameOfLayersOnTheChart) {
     settings.quality.tolerance = kLayers_JND;
     settings.depth = other;
     const View eye = other ? otherEye(seen.view) : seen.view;
-    expectSamePicture("sweep-lod:7", seen.cloud, eye, settings, gpu);
-    expectSamePicture("auto", seen.cloud, middleOf(eye, 48), settings, gpu);
+    expectSamePicture("sweep-lod:7", seen.scene, eye, settings, gpu);
+    expectSamePicture("auto", seen.scene, middleOf(eye, 48), settings, gpu);
   }
 }
 
@@ -116,7 +116,7 @@ TEST_F(GpuGaussianPicture, IsTheSameThroughEveryLens) {
   GaussianCloud cloud = walls();
   for (const bool preserves_light : {false, true}) {
     cloud.preserves_light = preserves_light;
-    const SurfelCloud scene = sceneOf(cloud);
+    const GaussianCloud scene = cloud;
     RenderSettings settings = lens(12.0f, 0.8f);
     settings.background = glm::vec3(0.1f, 0.2f, 0.5f);
     settings.depth = true;
@@ -132,7 +132,7 @@ TEST_F(GpuGaussianPicture, IsTheSameThroughEveryLens) {
 
 TEST_F(GpuGaussianPicture, IsTheSameWhereEachDirectionHasItsOwnLens) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud scene = sceneOf(withTree(walls(48)));
+  const GaussianCloud scene = withTree(walls(48));
   RenderSettings settings = besideTheGaze(view, 0.8f);
   settings.depth = true;
   expectSamePicture("sweep-lod:7", scene, view, settings, gpu);
@@ -140,7 +140,7 @@ TEST_F(GpuGaussianPicture, IsTheSameWhereEachDirectionHasItsOwnLens) {
 
 TEST_F(GpuGaussianPicture, IsTheSameThroughAnEyeWithAberrationsInThreeColours) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud scene = sceneOf(walls());
+  const GaussianCloud scene = walls();
   RenderSettings settings = lens(12.0f, 1.0f);
   settings.pupil = {.diameter_m = 6e-3, .stiles_crawford_per_mm2 = kStilesCrawford_per_mm2};
   settings.pupil.wavefront = {.zernike_um = {0, 0, 0, 0, 0, 0, -0.2, 0.4, 0, 0, 0, 0, 0.4},
@@ -160,9 +160,9 @@ TEST_F(GpuGaussianPicture, IsTheSameOfSurfacesAndGaussiansTogether) {
   FOCI_NEEDS_GPU(gpu);
   SurfelCloud sheet;
   addSheet(sheet, 1.4f, 0.8f, 20, {0.7f, 0.7f, 0.1f}, 0.2f);
-  const SurfelCloud scene = joined(sceneOf(walls()), std::move(sheet), "sheet");
-  ASSERT_TRUE(scene.gaussians);
-  ASSERT_GT(scene.gaussians->size(), walls().size());
+  const Scene scene = joined({walls()}, {std::move(sheet)}, "sheet");
+  ASSERT_TRUE(scene.gaussians());
+  ASSERT_GT(scene.position_m().size(), walls().size());
   for (const char* method : {"sweep:7", "sweep-lod:7", "auto"}) {
     expectSamePicture(method, scene, view, lens(12.0f, 0.8f), gpu);
   }
@@ -171,13 +171,13 @@ TEST_F(GpuGaussianPicture, IsTheSameOfSurfacesAndGaussiansTogether) {
 // A cut of merged Gaussians, with fewer samples where all is blurred.
 TEST_F(GpuGaussianPicture, IsTheSameOfMergedGaussians) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud scene = sceneOf(withTree(walls(96)));
+  const GaussianCloud scene = withTree(walls(96));
   RenderSettings settings = lens(30.0f, 3.0f);
   settings.depth = true;
   for (const char* method : {"sweep-lod", "sweep-lod:7"}) {
     const auto [cpu, its] =
         expectSamePicture(method, scene, squareView(160, 160.0f), settings, gpu);
-    EXPECT_LT(its.splats, scene.gaussians->size() / 2);
+    EXPECT_LT(its.splats, scene.size() / 2);
     EXPECT_NEAR(static_cast<double>(its.splats), static_cast<double>(cpu.splats),
                 0.01 * static_cast<double>(cpu.splats));
   }
@@ -185,7 +185,7 @@ TEST_F(GpuGaussianPicture, IsTheSameOfMergedGaussians) {
 
 TEST_F(GpuGaussianPicture, IsTheSameAtEveryQualityLevel) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud scene = sceneOf(walls());
+  const GaussianCloud scene = walls();
   for (std::size_t level = 1; level <= kQualityLevels; ++level) {
     expectSamePicture("auto:" + std::to_string(level), scene, view, lens(16.0f, 0.5f), gpu);
   }
@@ -194,7 +194,7 @@ TEST_F(GpuGaussianPicture, IsTheSameAtEveryQualityLevel) {
 // The views of a tile tell its error on the GPU, too. Rounds replace parts of the first image.
 TEST_F(GpuGaussianPicture, AutoPredictsTheSameError) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud scene = sceneOf(walls(24));
+  const GaussianCloud scene = walls(24);
   for (const float focus_D : {0.5f, 3.0f}) {
     for (const float tolerance : {0.1f, kLayers_JND}) {
       SCOPED_TRACE(focus_D);
@@ -212,7 +212,7 @@ TEST_F(GpuGaussianPicture, AutoPredictsTheSameError) {
 
 TEST_F(GpuGaussianPicture, HasTheSameBytesEachTime) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud scene = sceneOf(walls());
+  const GaussianCloud scene = walls();
   for (const char* spec : {"sweep-lod:7", "auto"}) {
     const auto method = makeMethod(spec, scene, gpu);
     Frame first, second, another;
@@ -231,10 +231,10 @@ TEST_F(GpuGaussianPicture, HasTheSameBytesEachTime) {
 
 TEST_F(GpuGaussianPicture, OfLayersHasTheSameBytesEachTimeAndInLittleMemory) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud scene = sceneOf(withTree(walls(24)));
+  const GaussianCloud scene = withTree(walls(24));
   const View wide = squareView(256, 256.0f);
   const RenderSettings settings = lens(24.0f, 1.0f);  // in focus at the nearer wall
-  LensGaussians divided(scene.gaussians, gpu);
+  LensGaussians divided(sharedWithTree(scene), gpu);
   const GaussianCutSettings lod{.per_blur2 = 0.1f, .max_px2 = 3.0f};
   divided.project(wide, settings.defocus, subApertureDiscs(61), &lod);
   EXPECT_GT(std::ranges::count_if(divided.divide(true),
@@ -257,7 +257,7 @@ TEST_F(GpuGaussianPicture, OfLayersHasTheSameBytesEachTimeAndInLittleMemory) {
 
 TEST_F(GpuGaussianPicture, OfAnEmptySceneIsTheBackground) {
   FOCI_NEEDS_GPU(gpu);
-  const SurfelCloud nothing = sceneOf({});
+  const GaussianCloud nothing;
   RenderSettings settings = lens(12.0f, 0.5f);
   settings.background = glm::vec3(0.25f, 0.5f, 0.75f);
   Frame frame;
@@ -277,11 +277,11 @@ TEST_F(GpuGaussianPicture, OfLargerArraysHasTheSameBytes) {
   for (std::size_t i = 0; i < cloud.size() * cloud.harmonicsPerGaussian(); ++i) {
     cloud.harmonics.push_back(static_cast<std::int16_t>(i * 37 % 201) - 100);
   }
-  const SurfelCloud scene = sceneOf(withTree(std::move(cloud)));
+  const GaussianCloud scene = withTree(std::move(cloud));
   const auto narrow = GpuDevice::open(GpuDevice::Kind::any);
   narrow->limitBlocks(3 * kMiB);  // the rooms at the start fit
-  EXPECT_EQ(GpuGaussianScene(gpu, *scene.gaussians).windows(), 1u);
-  EXPECT_EQ(GpuGaussianScene(narrow, *scene.gaussians).windows(), 3u);
+  EXPECT_EQ(GpuGaussianScene(gpu, scene).windows(), 1u);
+  EXPECT_EQ(GpuGaussianScene(narrow, scene).windows(), 3u);
   for (const char* method : {"sweep", "sweep-lod"}) {
     Frame whole, in_windows;
     makeMethod(method, scene, gpu)->render(view, lens(6.0f, 1.0f), whole);

@@ -49,9 +49,8 @@ struct SamePicture {
   RenderStats cpu, gpu;
 };
 
-inline SamePicture expectSamePicture(const std::string& method, const SurfelCloud& cloud,
-                                     const View& view, const RenderSettings& settings,
-                                     const SharedGpu& gpu) {
+inline SamePicture expectSamePicture(const std::string& method, const auto& cloud, const View& view,
+                                     const RenderSettings& settings, const SharedGpu& gpu) {
   Frame by_cpu, by_gpu;
   const RenderStats cpu = makeMethod(method, cloud)->render(view, settings, by_cpu);
   const RenderStats gpu_stats = makeMethod(method, cloud, gpu)->render(view, settings, by_gpu);

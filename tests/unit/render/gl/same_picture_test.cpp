@@ -25,7 +25,7 @@ TEST_F(GpuPicture, IsTheSameOnEverySceneOfTheChart) {
   FOCI_NEEDS_GPU(gpu);
   for (const ChartScene& scene : planChart({.size_px = 384}).scenes) {
     SceneInView seen = scene.make();
-    if (seen.cloud.gaussians) continue;  // gaussians_test.cpp
+    if (seen.scene.gaussians()) continue;  // gaussians_test.cpp
     const double px_per_m = seen.largestBlurThrough_px(1e-3) / 1e-3;
     // The middle of the image: the software driver is slow.
     constexpr int kPart_px = 32;
@@ -33,7 +33,7 @@ TEST_F(GpuPicture, IsTheSameOnEverySceneOfTheChart) {
     seen.view.size_px = glm::ivec2(kPart_px);
     for (const double blur_px : {0.0, 16.0}) {
       SCOPED_TRACE(scene.id + ", " + std::to_string(blur_px) + " px");
-      expectSamePicture("sweep-lod:7", seen.cloud, seen.view,
+      expectSamePicture("sweep-lod:7", seen.scene, seen.view,
                         seen.settingsThrough(blur_px / px_per_m), gpu);
     }
   }

@@ -44,7 +44,8 @@ TEST_F(GpuWindows, OneLineSaysHowMuchIsMissingAndTheCpuRenders) {
   RenderRequest request{.method = "sweep-lod", .size_px = view.size_px, .eyes = {{}}};
   request.eyes[0].eye.view = view;
   request.eyes[0].settings = lens(4.0f, 0.5f);
-  FrameRenderer on_cpu(cloud), on_gpu(cloud, tiny);
+  const Scene scene{cloud};
+  FrameRenderer on_cpu(scene), on_gpu(scene, tiny);
   RenderedFrame expected, frame;
   on_cpu.render(request, expected);
   on_gpu.render(request, frame);

@@ -21,14 +21,15 @@ SurfelCloud helix() {
 
 TEST(Outline, OnlyOfALargeSceneWithATree) {
   const SurfelCloud scene = helix();
-  EXPECT_TRUE(outlineOf(scene, 1).empty());
-  EXPECT_TRUE(outlineOf(withTree(scene)).empty());
-  EXPECT_FALSE(outlineOf(withTree(scene), 1).empty());
+  EXPECT_FALSE(outlineOf({scene}, 1));
+  EXPECT_FALSE(outlineOf({withTree(scene)}));
+  EXPECT_TRUE(outlineOf({withTree(scene)}, 1));
 }
 
 TEST(Outline, CoversTheScene) {
   const SurfelCloud scene = withTree(helix());
-  const SurfelCloud outline = outlineOf(scene, 1);
+  const Scene found = outlineOf({scene}, 1).value();
+  const SurfelCloud& outline = *found.surfels();
   const int level = std::min(16, builtTree(scene)->levels() - 1);
   ASSERT_EQ(outline.size(), std::size_t{1} << level);
   EXPECT_EQ(outline.oriented, scene.oriented);

@@ -152,7 +152,7 @@ TEST(AberrationsOfGaussians, PartsShowWhatTheRaysShow) {
   GaussianCloud cloud;
   addWall(cloud, 2.0f, 0.06f, 40, 0.95f, {0.2f, 0.5f, 0.3f});
   addWall(cloud, 1.0f, 0.008f, 16, 0.95f, {0.9f, 0.8f, 0.3f});
-  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const GaussianCloud& scene = cloud;
   std::vector<double> strong = kTypical;
   for (double& um : strong) um *= 3.0;
   const RenderSettings settings = eye(6e-3, 0.5, strong);
@@ -170,7 +170,7 @@ TEST(AberrationsOfGaussians, PartsShowWhatTheRaysShow) {
 TEST(AberrationsOfGaussians, DiffractionSpreadsTheImage) {
   GaussianCloud cloud;
   addWall(cloud, 1.0f, 0.0004f, 1, 0.9f, {0.9f, 0.8f, 0.3f});
-  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const GaussianCloud& scene = cloud;
   const View view = squareView(kSize_px, kFocal_px);
   for (const char* method : {"sweep", "sweep:7", "sweep-lod", "accumulate:7", "auto"}) {
     RenderSettings settings = eye(2e-3, 0.0, {});
@@ -189,7 +189,7 @@ TEST(AberrationsOfGaussians, DiffractionSpreadsTheImage) {
 TEST(AberrationsOfGaussians, MethodsWithoutThemLeaveThemOut) {
   GaussianCloud cloud;
   addWall(cloud, 1.0f, 0.008f, 16, 0.95f, {0.9f, 0.8f, 0.3f});
-  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const GaussianCloud& scene = cloud;
   const View view = squareView(kSize_px, kFocal_px);
   RenderSettings settings = eye(6e-3, 0.5, kTypical);
   settings.pupil.diffraction_px = 1.0f;
@@ -213,8 +213,8 @@ TEST(AutoOfAnEye, StaysWithinItsPrediction) {
     for (double& um : settings.pupil.wavefront.zernike_um) um *= kFocal_px / focal_px;
     Frame frame, reference;
     const RenderStats stats =
-        makeMethod("auto", in_view.cloud)->render(in_view.view, settings, frame);
-    makeMethod("accumulate:64", in_view.cloud)->render(in_view.view, settings, reference);
+        makeMethod("auto", in_view.scene)->render(in_view.view, settings, frame);
+    makeMethod("accumulate:64", in_view.scene)->render(in_view.view, settings, reference);
     auto differences = visibleDifference(frame, reference, kUsualPx_per_deg);
     EXPECT_LE(quantile(differences, 0.95), *stats.tolerance_error) << scene.id;
     EXPECT_NE(*stats.quality_level, QualityLevel::sharp) << scene.id;

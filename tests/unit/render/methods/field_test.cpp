@@ -96,8 +96,7 @@ Moments raysOf(const glm::dvec2& deg, double off_D) {
 }
 
 /// Mean over places of the point among the samples, which are up to 8 px apart.
-Moments seenAt(const std::string& method, const glm::dvec3& to, const SurfelCloud& light,
-               double focus_D) {
+Moments seenAt(const std::string& method, const glm::dvec3& to, const auto& light, double focus_D) {
   Moments mean;
   for (const glm::vec2& shift_px : {glm::vec2(0.0f), {2.3f, 5.1f}, {5.1f, 0.7f}, {3.7f, 3.4f}}) {
     const View view = viewAround(to, shift_px);
@@ -157,7 +156,7 @@ TEST(FieldOfGaussians, SpreadsTheLightOfAGaussianAsTheRaysDo) {
       GaussianCloud cloud;
       // Dark, so that linear light is in proportion to display values.
       addGaussian(cloud, glm::vec3(to.x, -to.y, -to.z), glm::vec3(1e-3f), 0.99f, glm::vec3(0.03f));
-      const SurfelCloud light = sceneOf(std::move(cloud));
+      const GaussianCloud& light = cloud;
       const View view = viewAround(to, glm::vec2(0.0f));
       RenderSettings settings = eyeFor(view, 1.0 + off_D);
       const Moments got = momentsOf(render("sweep:19", light, view, settings));

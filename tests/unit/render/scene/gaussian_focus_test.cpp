@@ -16,7 +16,7 @@ constexpr double kHalfAngle_rad = 0.005, kCoverage = 0.5;
 const glm::dvec3 kAhead(0.0, 0.0, -1.0);
 
 std::optional<double> focusIn(GaussianCloud cloud, const glm::dvec3& direction = kAhead) {
-  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const GaussianCloud& scene = cloud;
   return SurfaceQuery(scene).distance(glm::dvec3(0.0), direction, kHalfAngle_rad, kCoverage);
 }
 
@@ -76,7 +76,7 @@ GaussianCloud floorBelow() {
 }
 
 TEST(GaussianFocus, OfALargeFloorIsWhereTheRayMeetsIt) {
-  const SurfelCloud scene = sceneOf(floorBelow());
+  const GaussianCloud scene = floorBelow();
   const SurfaceQuery query(scene);
   for (const double down_deg : {18.0, 25.0, 35.0, 47.0, 60.0}) {
     for (const double aside_deg : {-20.0, 0.0, 15.0}) {
@@ -93,7 +93,7 @@ TEST(GaussianFocus, OfALargeFloorIsWhereTheRayMeetsIt) {
 
 TEST(GaussianFocus, IsNotOnAFloorAboveItsHorizon) {
   // The Gaussian that is projected at its centre reaches above the horizon. The floor does not.
-  const SurfelCloud scene = sceneOf(floorBelow());
+  const GaussianCloud scene = floorBelow();
   const glm::dvec3 up(0.0, std::sin(0.05), -std::cos(0.05));
   EXPECT_FALSE(SurfaceQuery(scene).distance(glm::dvec3(0.0), up, kHalfAngle_rad, 0.05));
 }
@@ -118,7 +118,7 @@ TEST(GaussianFocus, OfThinGaussiansAlongTheRayIsAtTheirCentre) {
     for (const float aside_m : {0.0f, 0.002f}) {
       GaussianCloud cloud;
       addGaussian(cloud, {aside_m, 0.0f, -2.0f}, sigma_m, 1.0f, glm::vec3(0.5f));
-      const SurfelCloud scene = sceneOf(std::move(cloud));
+      const GaussianCloud& scene = cloud;
       const auto distance_m =
           SurfaceQuery(scene).distance(glm::dvec3(0.0), kAhead, kHalfAngle_rad, 1e-9);
       ASSERT_TRUE(distance_m) << sigma_m.y << " " << aside_m;
@@ -172,7 +172,7 @@ TEST(GaussianFocus, OfSeparateOpaqueGaussiansChangesAtTheirMeanOpacity) {
       addGaussian(cloud, {at, -1.0f}, {sheet.sigma_m, sheet.sigma_m, 1e-5f}, sheet.opacity,
                   glm::vec3(0.5f));
     });
-    const SurfelCloud scene = sceneOf(std::move(cloud));
+    const GaussianCloud& scene = cloud;
     const SurfaceQuery query(scene);
     const double mean = sheet.meanOpacity(std::tan(kHalfAngle_rad));
     EXPECT_TRUE(query.distance(glm::dvec3(0.0), kAhead, kHalfAngle_rad, mean - 0.03)) << mean;

@@ -30,18 +30,14 @@ SurfelCloud square(float z, float half, const glm::vec3& color) {
   return cloud;
 }
 
-SurfelCloud asGaussianScene(const SurfelCloud& surfels) {
-  SurfelCloud scene;
-  scene.gaussians = std::make_shared<const GaussianCloud>(gaussiansOf(surfels));
-  return scene;
-}
+Scene asGaussianScene(const SurfelCloud& surfels) { return {gaussiansOf(surfels)}; }
 
-Frame render(const SurfelCloud& cloud, float blur_px_per_D) {
+Frame render(const Scene& scene, float blur_px_per_D) {
   const View view = viewOfCamera(eyeFromWorld({0, 0, 0}, {0, 0, -1}, {0, 1, 0}), {80, 60}, 0.5);
   RenderSettings settings;
   settings.defocus = {.radius_px_per_D = glm::vec2(blur_px_per_D), .focus_D = 0.5f};
   Frame frame;
-  makeMethod(blur_px_per_D > 0.0f ? "sweep" : "pinhole", cloud)->render(view, settings, frame);
+  makeMethod(blur_px_per_D > 0.0f ? "sweep" : "pinhole", scene)->render(view, settings, frame);
   return frame;
 }
 
@@ -51,18 +47,20 @@ TEST(JoinedScene, APartIsTurnedAndMoved) {
   const glm::quat quarter = glm::angleAxis(glm::radians(90.0f), glm::vec3(0, 1, 0));
   SurfelCloud surfels;
   appendSurfel(surfels, {1, 2, 3}, {0, 0, 1}, 0.1f, 0.01f, kRed);
-  const SurfelCloud moved = placed(surfels, {.position_m = {10, 0, 0}, .rotation = quarter});
+  const Scene placed_surfels = placed({surfels}, {.position_m = {10, 0, 0}, .rotation = quarter});
+  const SurfelCloud& moved = *placed_surfels.surfels();
   EXPECT_LT(glm::distance(moved.position_m[0], glm::vec3(13, 2, -1)), 1e-5f);
   const glm::vec3 normal = glm::normalize(glm::cross(moved.axis_u_m[0], moved.axis_v_m[0]));
   EXPECT_LT(glm::distance(normal, glm::vec3(1, 0, 0)), 1e-5f);
 
   // A Gaussian scene of the same surfel moves alike.
-  const SurfelCloud volume =
+  const Scene placed_volume =
       placed(asGaussianScene(surfels), {.position_m = {10, 0, 0}, .rotation = quarter});
+  const GaussianCloud& volume = *placed_volume.gaussians();
   const GaussianCloud expected = gaussiansOf(moved);
-  EXPECT_LT(glm::distance(volume.gaussians->position_m[0], expected.position_m[0]), 1e-5f);
-  EXPECT_NEAR(volume.gaussians->covariance_m2[0].xx, expected.covariance_m2[0].xx, 1e-7);
-  EXPECT_NEAR(volume.gaussians->covariance_m2[0].yy, expected.covariance_m2[0].yy, 1e-7);
+  EXPECT_LT(glm::distance(volume.position_m[0], expected.position_m[0]), 1e-5f);
+  EXPECT_NEAR(volume.covariance_m2[0].xx, expected.covariance_m2[0].xx, 1e-7);
+  EXPECT_NEAR(volume.covariance_m2[0].yy, expected.covariance_m2[0].yy, 1e-7);
 }
 
 TEST(JoinedScene, ColoursThatDependOnTheDirectionTurn) {
@@ -73,17 +71,16 @@ TEST(JoinedScene, ColoursThatDependOnTheDirectionTurn) {
     gaussians.harmonics[k] = static_cast<std::int16_t>(static_cast<int>(k * 7919 % 801) - 400);
   }
   for (glm::vec3& color : gaussians.color) color = glm::vec3(2.0f);  // above 0 in all directions
-  SurfelCloud scene;
-  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(gaussians));
+  const Scene scene{gaussians};
   for (const float angle_rad : {0.3f, 1.5708f, 2.9f}) {
     const Placement place{
         .rotation = glm::angleAxis(angle_rad, glm::normalize(glm::vec3(0.3f, -0.8f, 0.5f)))};
-    const SurfelCloud turned = placed(scene, place);
+    const Scene turned = placed(scene, place);
     for (const glm::vec3 along :
          {glm::vec3(0, 0, -1), glm::vec3(1, 0, 0), glm::vec3(0.6f, -0.48f, 0.64f)}) {
-      for (const std::size_t i : {std::size_t{0}, scene.gaussians->size() - 1}) {
-        const glm::vec3 before = colorOf(*scene.gaussians, i, along);
-        const glm::vec3 after = colorOf(*turned.gaussians, i, place.rotation * along);
+      for (const std::size_t i : {std::size_t{0}, gaussians.size() - 1}) {
+        const glm::vec3 before = colorOf(gaussians, i, along);
+        const glm::vec3 after = colorOf(*turned.gaussians(), i, place.rotation * along);
         // Each coefficient is rounded by half a step of 1/4096.
         EXPECT_LT(glm::distance(before, after), 1.5e-3f) << angle_rad;
       }
@@ -95,33 +92,31 @@ TEST(JoinedScene, SurfelsThatJoinGaussiansGetHarmonics) {
   auto gaussians = gaussiansOf(square(-1.0f, 0.1f, kRed));
   gaussians.degree = 1;
   gaussians.harmonics.assign(gaussians.size() * gaussians.harmonicsPerGaussian(), 0);
-  SurfelCloud scene;
-  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(gaussians));
+  const Scene scene{gaussians};
   // Surfels that join it get harmonics of 0.
-  const SurfelCloud all = joined(scene, square(-2.0f, 0.1f, kGreen), "green");
-  EXPECT_EQ(all.gaussians->degree, 1);
-  EXPECT_EQ(all.gaussians->harmonics.size(),
-            all.gaussians->size() * all.gaussians->harmonicsPerGaussian());
+  const Scene joint = joined(scene, {square(-2.0f, 0.1f, kGreen)}, "green");
+  const GaussianCloud& all = *joint.gaussians();
+  EXPECT_EQ(all.degree, 1);
+  EXPECT_EQ(all.harmonics.size(), all.size() * all.harmonicsPerGaussian());
 }
 
 TEST(JoinedScene, SaysWhereCapturesDisagreeAboutTheLowPass) {
-  const SurfelCloud surfels = square(-1.0f, 0.1f, kRed), usual = asGaussianScene(surfels);
-  GaussianCloud gaussians = gaussiansOf(surfels);
+  const Scene surfels{square(-1.0f, 0.1f, kRed)}, usual = asGaussianScene(*surfels.surfels());
+  GaussianCloud gaussians = *usual.gaussians();
   gaussians.preserves_light = true;
-  SurfelCloud preserving;
-  preserving.gaussians = std::make_shared<const GaussianCloud>(std::move(gaussians));
+  const Scene preserving{std::move(gaussians)};
   EXPECT_FALSE(lowPassRemark(usual, "a", usual, "b"));
   EXPECT_FALSE(lowPassRemark(surfels, "a", preserving, "b"));
   EXPECT_FALSE(lowPassRemark(preserving, "a", surfels, "b"));
   EXPECT_EQ(lowPassRemark(preserving, "a.spz", usual, "b.ply"),
             "a.spz and b.ply were trained with different low-passes: both are rendered with that "
             "of a.spz, which preserves light, so small Gaussians of b.ply look fainter than alone");
-  EXPECT_TRUE(joined(preserving, usual, "b").gaussians->preserves_light);
+  EXPECT_TRUE(joined(preserving, usual, "b").gaussians()->preserves_light);
   EXPECT_NE(lowPassRemark(usual, "a", preserving, "b")
                 ->find("does not preserve light, so small "
                        "Gaussians of b look stronger"),
             std::string::npos);
-  EXPECT_FALSE(joined(usual, preserving, "b").gaussians->preserves_light);
+  EXPECT_FALSE(joined(usual, preserving, "b").gaussians()->preserves_light);
 }
 
 TEST(JoinedScene, PartsAreObjectsAndBodiesKeepApart) {
@@ -131,7 +126,8 @@ TEST(JoinedScene, PartsAreObjectsAndBodiesKeepApart) {
   completeBodies(first);
   completeBodies(second);
   const std::size_t had = first.size();
-  const SurfelCloud all = joined(first, second, "green");
+  const Scene joint = joined({first}, {second}, "green");
+  const SurfelCloud& all = *joint.surfels();
   EXPECT_EQ(all.objects.names, (std::vector<std::string>{"", "green"}));
   EXPECT_EQ(all.objects.of[had - 1], 0);
   EXPECT_EQ(all.objects.of[had], 1);
@@ -154,12 +150,14 @@ TEST(JoinedScene, FlatGaussiansCoverWhatTheirSurfelsCover) {
 }
 
 TEST(JoinedScene, AGaussianWallHidesAMeshBehindItAndNotOneBeforeIt) {
-  const SurfelCloud wall = asGaussianScene(square(-2.0f, 0.8f, kGreen));
+  const Scene wall = asGaussianScene(square(-2.0f, 0.8f, kGreen));
   for (const float blur : {0.0f, 3.0f}) {
-    const glm::vec4 before = render(joined(wall, square(-1.0f, 0.1f, kRed), "a"), blur).at(40, 30);
+    const glm::vec4 before =
+        render(joined(wall, {square(-1.0f, 0.1f, kRed)}, "a"), blur).at(40, 30);
     EXPECT_NEAR(before.r, kRed.r, 0.03f);
     EXPECT_NEAR(before.g, kRed.g, 0.03f);
-    const glm::vec4 behind = render(joined(wall, square(-3.0f, 0.1f, kRed), "a"), blur).at(40, 30);
+    const glm::vec4 behind =
+        render(joined(wall, {square(-3.0f, 0.1f, kRed)}, "a"), blur).at(40, 30);
     EXPECT_NEAR(behind.r, kGreen.r, 0.03f);
     EXPECT_NEAR(behind.g, kGreen.g, 0.03f);
   }

@@ -37,13 +37,14 @@ ReproduceRow row(const char* method, std::size_t aperture, unsigned threads, dou
 ReproduceScene steps(double depth_step_m) {
   ReproduceScene scene = planeScene(2);
   scene.name = "steps";
-  scene.cloud = {};
+  SurfelCloud cloud;
   for (int i = 0; i < 1200; ++i) {
     const float x = static_cast<float>(i % 40) / 40.0f - 0.5f;
     const float y = static_cast<float>(i / 40) / 40.0f - 0.4f;
     const auto z = static_cast<float>(-2.0 - depth_step_m * (i % 7));
-    appendSurfel(scene.cloud, {x, y, z}, {0.0f, 0.0f, 1.0f}, 0.01f, 3e-4f, glm::vec3(0.5f));
+    appendSurfel(cloud, {x, y, z}, {0.0f, 0.0f, 1.0f}, 0.01f, 3e-4f, glm::vec3(0.5f));
   }
+  scene.scene = {std::move(cloud)};
   scene.view = viewOfCamera(glm::mat4(1.0f), {128, 128}, 0.8);
   scene.settings.defocus.focus_D = 0.5f;
   return scene;
@@ -167,7 +168,7 @@ TEST(RatiosOf, OfAGrownSceneTakeTheWorstAperture) {
 
 TEST(PlaneScene, RendersThePapersFragmentsAndAllItsSurfels) {
   const ReproduceScene plane = planeScene();
-  const auto paper = makeMethod("paper", plane.cloud);
+  const auto paper = makeMethod("paper", plane.scene);
   Frame frame;
   for (const PaperRow& theirs : plane.paper) {
     if (theirs.lod) continue;
@@ -184,7 +185,7 @@ TEST(ChooseApertures, FindsThePapersRatiosOfFragments) {
   int frames = 0;
   chooseApertures(scene, [&] { ++frames; });
   EXPECT_LT(frames, 15);
-  const auto paper = makeMethod("paper", scene.cloud);
+  const auto paper = makeMethod("paper", scene.scene);
   Frame frame;
   const auto fragments = [&](std::size_t aperture) {
     return static_cast<double>(

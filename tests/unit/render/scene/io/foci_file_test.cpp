@@ -31,7 +31,7 @@ class FociFileTest : public testing::Test {
   ~FociFileTest() override { std::filesystem::remove(path_); }
 
   std::string written(const SurfelCloud& cloud) {
-    writeSceneFile(path_, {cloud});
+    writeSceneFile(path_, {{cloud}});
     std::ifstream in(path_, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
@@ -69,7 +69,7 @@ TEST_F(FociFileTest, BringsBackTheOrigin) {
        {SurfelOrigin{}, SurfelOrigin{.mesh = true},
         SurfelOrigin{.plain_colors = true, .up_axis = 0},
         SurfelOrigin{.mesh = true, .plain_colors = true, .up_axis = 2}}) {
-    writeSceneFile(path_, {few(true), origin});
+    writeSceneFile(path_, {{few(true)}, origin});
     EXPECT_EQ(readSceneFile(path_).origin, origin);
   }
 }
@@ -77,9 +77,9 @@ TEST_F(FociFileTest, BringsBackTheOrigin) {
 TEST_F(FociFileTest, BringsBackWhatWasWritten) {
   for (const bool with_opacity : {false, true}) {
     const SurfelCloud cloud = few(with_opacity);
-    writeSceneFile(path_, {cloud});
+    writeSceneFile(path_, {{cloud}});
     EXPECT_TRUE(isSceneFile(path_));
-    const SurfelCloud back = readSceneFile(path_).cloud;
+    const auto back = std::get<SurfelCloud>(readSceneFile(path_).scene.splats);
     EXPECT_EQ(back.position_m, cloud.position_m);
     EXPECT_EQ(back.axis_u_m, cloud.axis_u_m);
     EXPECT_EQ(back.axis_v_m, cloud.axis_v_m);
@@ -132,7 +132,7 @@ TEST_F(FociFileTest, BringsBackTheTreeWithBodiesAndObjects) {
   const SurfelCloud sorted = withTree(wave());
   const std::string whole = written(wave());
   EXPECT_EQ(whole[8], 4);  // the version
-  const SurfelCloud read = readSceneFile(path_).cloud;
+  const auto read = std::get<SurfelCloud>(readSceneFile(path_).scene.splats);
   EXPECT_EQ(read.position_m, sorted.position_m);
   EXPECT_EQ(read.bodies.of_surfel, sorted.bodies.of_surfel);
   ASSERT_EQ(read.bodies.boxes.size(), 3u);
@@ -204,8 +204,8 @@ TEST_F(FociFileTest, PartsMakeOneTree) {
   writer.finish();
   const PreparedScene read = readSceneFile(path_);
   EXPECT_EQ(read.origin.up_axis, 1);
-  ASSERT_EQ(read.cloud.size(), kPart << kLevel);
-  expectTreeOf(read.cloud);
+  ASSERT_EQ(read.scene.position_m().size(), kPart << kLevel);
+  expectTreeOf(*read.scene.surfels());
 }
 
 TEST_F(FociFileTest, ALargeSceneIsCheckedOnRequestOnly) {
@@ -214,7 +214,7 @@ TEST_F(FociFileTest, ALargeSceneIsCheckedOnRequestOnly) {
   std::ofstream(path_, std::ios::binary) << altered;
   EXPECT_THROW(readSceneFile(path_), InputError);
   EXPECT_THROW(readSceneFile(path_, kCheckAll_B), InputError);
-  const SurfelCloud read = readSceneFile(path_, 100).cloud;
+  const auto read = std::get<SurfelCloud>(readSceneFile(path_, 100).scene.splats);
   EXPECT_EQ(read.size(), 100u);
   // No number that the file may hold leads beyond the boxes.
   EXPECT_EQ(read.bodies.boxes.size(), 65536u);

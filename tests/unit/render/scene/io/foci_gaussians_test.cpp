@@ -33,10 +33,7 @@ GaussianCloud withoutTree(int degree) {
 GaussianCloud some(int degree) { return withTree(withoutTree(degree)); }
 
 PreparedScene prepared(GaussianCloud cloud, bool y_is_down = false) {
-  PreparedScene scene;
-  scene.cloud = sceneOf(std::move(cloud));
-  scene.origin.y_is_down = y_is_down;
-  return scene;
+  return {{std::move(cloud)}, {.y_is_down = y_is_down}};
 }
 
 void expectSame(const GaussianCloud& a, const GaussianCloud& b) {
@@ -72,12 +69,13 @@ TEST_F(FociGaussians, BringBackWhatWasWritten) {
     writeSceneFile(path_, prepared(cloud, degree == 1));
     EXPECT_TRUE(isSceneFile(path_));
     const PreparedScene back = readSceneFile(path_);
-    ASSERT_TRUE(back.cloud.gaussians && back.cloud.gaussians->tree);
-    expectSame(*back.cloud.gaussians, cloud);
-    EXPECT_EQ(back.cloud.gaussians->tree->nodes.position_m, cloud.tree->nodes.position_m);
-    EXPECT_EQ(back.cloud.gaussians->tree->nodes.harmonics, cloud.tree->nodes.harmonics);
-    EXPECT_EQ(back.cloud.gaussians->tree->spread_m2, cloud.tree->spread_m2);
-    EXPECT_EQ(back.cloud.gaussians->tree->growth_per_m2, cloud.tree->growth_per_m2);
+    const GaussianCloud* const read = back.scene.gaussians();
+    ASSERT_TRUE(read && read->tree);
+    expectSame(*read, cloud);
+    EXPECT_EQ(read->tree->nodes.position_m, cloud.tree->nodes.position_m);
+    EXPECT_EQ(read->tree->nodes.harmonics, cloud.tree->nodes.harmonics);
+    EXPECT_EQ(read->tree->spread_m2, cloud.tree->spread_m2);
+    EXPECT_EQ(read->tree->growth_per_m2, cloud.tree->growth_per_m2);
     EXPECT_EQ(back.origin.y_is_down, degree == 1);
   }
 }
@@ -85,7 +83,8 @@ TEST_F(FociGaussians, BringBackWhatWasWritten) {
 TEST_F(FociGaussians, OpenAsASceneInMetres) {
   const GaussianCloud cloud = some(1);
   writeSceneFile(path_, prepared(cloud));
-  const auto opened = openScene(path_, 2.0, std::nullopt).cloud.gaussians;
+  const Scene scene = openScene(path_, 2.0, std::nullopt).scene;
+  const GaussianCloud* const opened = scene.gaussians();
   ASSERT_TRUE(opened);
   GaussianCloud twice = cloud;
   scaleBy(twice, 2.0f);

@@ -540,10 +540,9 @@ TEST(GaussianFormats, OtherFilesAreNotTakenForThem) {
 TEST(GaussianFormats, OpenAsAScene) {
   const TemporaryFolder folder;
   const OpenedScene scene = openScene(folder.write("s.ply", gaussianPly(1)), 0.5, {});
-  ASSERT_TRUE(scene.cloud.gaussians);
-  EXPECT_TRUE(scene.cloud.empty());
-  EXPECT_EQ(positionsOf(scene.cloud)[0], 0.5f * kPosition);
-  EXPECT_NEAR(scene.cloud.gaussians->covariance_m2[0].zz, 0.25f * 0.16f, 1e-5f);
+  ASSERT_TRUE(scene.scene.gaussians());
+  EXPECT_EQ(scene.scene.position_m()[0], 0.5f * kPosition);
+  EXPECT_NEAR(scene.scene.gaussians()->covariance_m2[0].zz, 0.25f * 0.16f, 1e-5f);
   EXPECT_THROW(openPoints(readScene(folder.path() / "s.ply"), 1.0), InputError);
 }
 

@@ -242,10 +242,10 @@ TEST_F(GltfPointsTest, AMeshAndPointsBesideGaussiansAreInTheScene) {
   EXPECT_EQ(facts.points, 3u);
   EXPECT_TRUE(facts.remarks.empty());
   const OpenedScene opened = openScene(std::move(scene), 2.0, {});
-  ASSERT_TRUE(opened.cloud.gaussians);
-  EXPECT_GT(opened.cloud.gaussians->size(), 100u);
+  ASSERT_TRUE(opened.scene.gaussians());
+  EXPECT_GT(opened.scene.gaussians()->size(), 100u);
   float farthest_m = 0.0f;
-  for (const glm::vec3& p : opened.cloud.gaussians->position_m) {
+  for (const glm::vec3& p : opened.scene.gaussians()->position_m) {
     farthest_m = std::max(farthest_m, p.x);
   }
   EXPECT_EQ(farthest_m, 10.0f);

@@ -247,11 +247,12 @@ TEST_F(MeshTest, OpensLikeAPointCloudAndScaled) {
 TEST_F(MeshTest, SceneFilesOpenByTheirContent) {
   SurfelCloud cloud;
   appendSurfel(cloud, {1.0f, 2.0f, 3.0f}, {0.0f, 0.0f, 1.0f}, 0.1f, 0.02f, glm::vec3(0.5f));
-  writeSceneFile(folder_ / "scene.ply", {cloud});
-  const OpenedScene scene = openScene(folder_ / "scene.ply", 2.0, {});
-  EXPECT_EQ(scene.cloud.position_m[0], glm::vec3(2.0f, 4.0f, 6.0f));
-  EXPECT_FLOAT_EQ(glm::length(scene.cloud.axis_u_m[0]), 0.2f);
-  EXPECT_FLOAT_EQ(scene.cloud.area_m2[0], 0.08f);
+  writeSceneFile(folder_ / "scene.ply", {{cloud}});
+  const Scene scene = openScene(folder_ / "scene.ply", 2.0, {}).scene;
+  const SurfelCloud& read = *scene.surfels();
+  EXPECT_EQ(read.position_m[0], glm::vec3(2.0f, 4.0f, 6.0f));
+  EXPECT_FLOAT_EQ(glm::length(read.axis_u_m[0]), 0.2f);
+  EXPECT_FLOAT_EQ(read.area_m2[0], 0.08f);
 }
 
 }  // namespace FOCI_FILE

@@ -79,8 +79,8 @@ TEST_F(StreamedSog, OpensByItsContentFromAFolderOrAnArchive) {
     EXPECT_EQ(facts.format, "3D Gaussians (streamed SOG)");
     EXPECT_EQ(facts.position.size(), 16u);
     const OpenedScene scene = openScene(std::move(file), 0.5, {});
-    ASSERT_TRUE(scene.cloud.gaussians);
-    EXPECT_NEAR(scene.cloud.gaussians->position_m[0].z, 0.5f * kPosition.z, 1e-3f);
+    ASSERT_TRUE(scene.scene.gaussians());
+    EXPECT_NEAR(scene.scene.gaussians()->position_m[0].z, 0.5f * kPosition.z, 1e-3f);
   }
 }
 

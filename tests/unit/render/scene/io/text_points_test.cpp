@@ -300,10 +300,11 @@ TEST_F(TextPoints, OpensAsASceneAtItsScale) {
   for (int i = 0; i < 400; ++i) {
     text += std::to_string(i % 20) + " " + std::to_string(i / 20) + " 0 255 0 0\n";
   }
-  const OpenedScene scene = openScene(scratch.write("p.xyz", text), 0.01, {});
-  ASSERT_EQ(scene.cloud.size(), 400u);
-  for (const glm::vec3& p : scene.cloud.position_m) EXPECT_LE(p.x, 0.1901f);
-  EXPECT_FLOAT_EQ(scene.cloud.color[0].x, 1.0f);
+  const Scene scene = openScene(scratch.write("p.xyz", text), 0.01, {}).scene;
+  const SurfelCloud& read = *scene.surfels();
+  ASSERT_EQ(read.size(), 400u);
+  for (const glm::vec3& p : read.position_m) EXPECT_LE(p.x, 0.1901f);
+  EXPECT_FLOAT_EQ(read.color[0].x, 1.0f);
 }
 
 TEST_F(TextPoints, CsvFilesWithPointsAreScenes) {
