@@ -37,8 +37,8 @@ struct Registry {
   }
   void add(const MethodEntry& entry) {
     entries.push_back(entry);
-    infos.push_back(entry.info);
-    infos.back().gaussians = entry.make_of_gaussians != nullptr;
+    entries.back().info.gaussians = entry.make_of_gaussians != nullptr;
+    infos.push_back(entries.back().info);
   }
 };
 

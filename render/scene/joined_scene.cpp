@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "render/scene/gaussian_merge.h"
 
 namespace foci {
 namespace {
@@ -141,8 +140,7 @@ GaussianCloud gaussiansOf(const SurfelCloud& surfels) {
     const glm::vec3 normal = glm::normalize(glm::cross(glm::normalize(u), glm::normalize(v)));
     const float thin = kThickness * std::min(glm::length(u), glm::length(v));
     addOuter(cloud.covariance_m2[i], normal, thin * thin);
-    const glm::vec3 light = glm::clamp(surfels.color[i], 0.0f, 1.0f);
-    for (int c = 0; c < 3; ++c) cloud.color[i][c] = displayOfLinear(light[c]);
+    cloud.color[i] = displayColorOf(surfels, i);
   }
   return cloud;
 }

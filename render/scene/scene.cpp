@@ -1,6 +1,6 @@
 #include "render/scene/scene.h"
 
-#include "render/image/srgb.h"
+#include "render/scene/gaussian_merge.h"
 
 namespace foci {
 
@@ -12,8 +12,8 @@ std::span<const glm::vec3> Scene::position_m() const {
 }
 
 glm::vec3 displayColorOf(const SurfelCloud& cloud, std::size_t i) {
-  const glm::vec3& light = cloud.color[i];
-  return {srgbFromLinear(light.x), srgbFromLinear(light.y), srgbFromLinear(light.z)};
+  const glm::vec3 light = glm::clamp(cloud.color[i], 0.0f, 1.0f);
+  return {displayOfLinear(light.x), displayOfLinear(light.y), displayOfLinear(light.z)};
 }
 
 glm::vec3 displayColorOf(const GaussianCloud& cloud, std::size_t i) {

@@ -84,9 +84,7 @@ std::string gaussianPly(const GaussianCloud& cloud) {
 std::string gaussianPly(const SurfelCloud& surfels) {
   std::string bytes = gaussianHeader(surfels.size(), 0, false);
   for (std::size_t i = 0; i < surfels.size(); ++i) {
-    glm::vec3 display;
-    for (int c = 0; c < 3; ++c) display[c] = srgbFromLinear(surfels.color[i][c]);
-    appendPlace(bytes, surfels.position_m[i], display);
+    appendPlace(bytes, surfels.position_m[i], displayColorOf(surfels, i));
     const glm::dvec3 u(surfels.axis_u_m[i]), v(surfels.axis_v_m[i]);
     const glm::dvec3 x = glm::normalize(u), y = glm::normalize(v);
     const double wide = glm::length(u), high = glm::length(v);
