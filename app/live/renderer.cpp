@@ -241,7 +241,7 @@ std::future<OutsideScene> LiveRenderer::outside() {
     request.split = false;
     request.eyes.resize(1);
     RenderSettings& settings = request.eyes[0].settings;
-    settings = {.defocus = {}, .background = settings.background, .shading = settings.shading};
+    settings = {.defocus = {}, .lighting = settings.lighting};
     answer->set_value(
         {session_->cloneRenderer(), std::move(request), std::max(threads_, 2u) - 1, last_});
   });

@@ -297,9 +297,8 @@ void Session::finishLook(FrameRecord& record) {
 
 /// Shows a pupil that follows luminance its first frame. Blur does not change the mean luminance.
 void Session::showSharpFrame(double time_s) {
-  renderer_.renderView(
-      settings_.method, middleViewAt(time_s),
-      {.defocus = {}, .background = settings_.background, .shading = settings_.shading}, sharp_);
+  renderer_.renderView(settings_.method, middleViewAt(time_s),
+                       {.defocus = {}, .lighting = settings_.lighting}, sharp_);
   pupil_.show(time_s, sharp_);
 }
 
@@ -382,8 +381,7 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
     RenderSettings settings{
         .defocus = defocusOfEye(settings_.observer, pupil_mm, eye.view.focal_px, focus_D),
         .pupil = pupilOfEye(settings_.observer, eye.isLeft(), pupil_mm, eye.view.focal_px, focus_D),
-        .background = settings_.background,
-        .shading = settings_.shading,
+        .lighting = settings_.lighting,
         .depth = settings_.output.depth};
     addField(record, eye, settings.defocus);
     if (usesQuality(method)) settings.quality = qualityOf(record, eye);

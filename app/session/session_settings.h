@@ -14,6 +14,7 @@
 #include "gaze/geometry/gaze_sample.h"
 #include "render/optics/colours.h"
 #include "render/optics/eye_field.h"
+#include "render/optics/view.h"
 #include "render/optics/wavefront.h"
 
 namespace foci {
@@ -74,8 +75,7 @@ struct OutputView {
 };
 
 struct SessionSettings {
-  glm::vec3 background{0.0f};  ///< linear RGB behind everything
-  float shading = 0.0f;        ///< 0 to 1: how much colour falls off with the angle of sight
+  Lighting lighting{};
   EyePath path{};
   Screen screen = defaultScreen();  ///< that the frames are shown on
   /// The displays of a headset. `screen` is then what both eyes see of them.
