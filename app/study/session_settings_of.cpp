@@ -86,8 +86,7 @@ SessionSettings sessionSettingsOf(const Study& study) {
     colours = coloursOfSpectra(readSpectra(*study.screen.spectra), study.observer.wavelengths);
   }
   return {
-      .lighting = {.background = glm::vec3(study.scene.background),
-                   .shading = static_cast<float>(study.render.shading)},
+      .lighting = study.lighting,
       .path = eyePathOf(study),
       .screen = study.screenInForce(),
       .headset = study.display.kind == DisplayKind::headset ? std::optional(study.headsetEyes())

@@ -69,7 +69,6 @@ struct Study {
     std::string builtin = "gallery";  ///< shown if there is no file
     double scale_m = 1.0;             ///< metres per unit of the file
     bool cache = true;                ///< the user's (scene_cache.h)
-    glm::dvec3 background{0.0};       ///< linear RGB
     std::vector<NamedShape> objects;  ///< what gaze meets within them is on them
     std::vector<ScenePart> parts;     ///< join the file or the built-in scene
   } scene;
@@ -145,9 +144,10 @@ struct Study {
 
   struct Render {
     std::string method = "auto";
-    double shading = 0.0;
     RenderDevice device = RenderDevice::automatic;
   } render;
+
+  Lighting lighting;
 
   QualitySettings quality;
 

@@ -194,7 +194,7 @@ const std::vector<Key<Study>>& studyKeys() {
           scene.cache,
           "keep the surfels of meshes and scans in the user's cache folder; the frames are the "
           "same"),
-      FOCI_KEY(scene.background, "linear RGB behind everything", {0, 1}),
+      FOCI_KEY_AS("scene.background", lighting.background, "linear RGB behind everything", {0, 1}),
       FOCI_KEY_AS("scene.object", scene.objects,
                   "boxes { name, center_m, size_m } and spheres { name, center_m, radius_m } that "
                   "name objects; the first match counts"),
@@ -379,9 +379,9 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(focus.fixed_D, "fixed focus, D; absent: focus follows the gaze", {0, 20}),
       FOCI_KEY(render.method, "method that renders depth of field: `foci methods`",
                {.expected = expectedMethod}),
-      FOCI_KEY(render.shading,
-               "share of the colour that falls off with the angle between surface and sight",
-               {0, 1}),
+      FOCI_KEY_AS("render.shading", lighting.shading,
+                  "share of the colour that falls off with the angle between surface and sight",
+                  {0, 1}),
       FOCI_KEY(render.device, "what renders; auto: a GPU with OpenGL 4.5, else the CPU",
                {.words = studyWords<RenderDevice>()}),
       FOCI_KEY(quality.tolerance,
