@@ -200,6 +200,9 @@ using OptionValue = std::variant<double, std::string, std::vector<double>>;
 /// @throws InputError
 void setKey(Study& study, std::string_view key, const std::string& toml, const std::string& where);
 
+/// Whether a key may change while a session runs (live_change.h).
+bool changesLive(std::string_view key);
+
 /// Sets a key as a command-line option does, under the same checks as in the file.
 /// @param option  for messages, e.g. "--pupil 40"
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
