@@ -33,8 +33,17 @@ std::optional<glm::dvec2> gazeOf(const FrameRecord& record) {
   return record.gaze_px ? record.gaze_px : record.fixation_px;
 }
 
-SessionSettings checked(const SessionSettings& settings) {
-  checkSettings(settings);
+const SessionSettings& checked(const SessionSettings& settings) {
+  if (const auto expected = expectedMethod(settings.method)) {
+    throw InputError("method " + settings.method, "expected " + *expected);
+  }
+  const glm::ivec2& size_px = settings.output.size_px;
+  if (size_px.x <= 0 || size_px.y <= 0) throw InputError("output size", "expected 1 px or more");
+  const StereoView stereo = settings.output.stereo;
+  if ((stereo == StereoView::side_by_side && size_px.x % 2 != 0) ||
+      (stereo == StereoView::top_bottom && size_px.y % 2 != 0)) {
+    throw InputError("output size", "expected an even number of px, to be halved for two eyes");
+  }
   return settings;
 }
 
@@ -107,8 +116,7 @@ void Session::restart(double start_s) {
 }
 
 void Session::changeSettings(const SessionSettings& settings) {
-  checkSettings(settings);
-  renderer_.methodNamed(settings.method);  // refuses a method that cannot render the scene
+  renderer_.methodNamed(checked(settings).method);  // refuses one that cannot render the scene
   const bool moved = !(settings.path == settings_.path);
   settings_ = settings;
   pupil_.fix(settings_.observer.pupil_mm);

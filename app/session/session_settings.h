@@ -92,10 +92,11 @@ struct SessionSettings {
   OutputView output{};
 };
 
-/// @throws InputError where the method is unknown, or an image cannot be halved for two eyes
-void checkSettings(const SessionSettings& settings);
-
 /// How the observer's eye accommodates: from the far point that its refraction leaves it.
-AccommodationSettings accommodationOf(const SessionSettings& settings);
+inline AccommodationSettings accommodationOf(const SessionSettings& settings) {
+  AccommodationSettings accommodation = settings.focus.accommodation;
+  accommodation.far_point_D = settings.observer.refraction.far_point_D;
+  return accommodation;
+}
 
 }  // namespace foci
