@@ -8,7 +8,6 @@
 
 #include "app/live/objects.h"
 #include "app/record/gaze_marker.h"
-#include "app/session/auto_method.h"
 #include "app/study/framing.h"
 #include "app/study/inputs.h"
 #include "app/study/live_change.h"
@@ -21,6 +20,7 @@
 #include "gaze/geometry/line_of_sight.h"
 #include "render/lod/moment_tree.h"
 #include "render/methods/method.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 namespace {

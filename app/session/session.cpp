@@ -7,10 +7,10 @@
 #include <numbers>
 #include <utility>
 
-#include "app/session/auto_method.h"
 #include "base/input_error.h"
 #include "base/transformed.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "render/methods/quality_level.h"
 #include "render/optics/view.h"
 
 namespace foci {
