@@ -23,21 +23,25 @@ namespace foci {
 /// of the rendered frames.
 enum class PupilModel { fixed, recording, luminance };
 
-struct ObserverSettings {
+/// The observer, as far as a study states it in the terms of the session.
+struct StatedObserver {
   PupilModel pupil = PupilModel::fixed;
   double pupil_mm = 4.0;  ///< where fixed, and until a recording says one
   double ipd_mm = 63.0;
+  bool chromatic = false;  ///< red, green and blue each have their focus (colours.h)
+  /// Change of coefficient 12 with accommodation (observer_eye.h).
+  double spherical_um_per_D = 0.0;
+  bool stiles_crawford = false;
+  bool diffraction = false;
+};
+
+struct ObserverSettings : StatedObserver {
   Refraction refraction{};  ///< what glasses do not correct; default: none
-  bool chromatic = false;   ///< red, green and blue each have their focus (colours.h)
   /// Of the left and the right eye, as measured; what `refraction` holds is left out.
   std::array<Wavefront, 2> wavefronts{};
-  std::optional<FieldAberrations> field{};  ///< aberrations beside the line of sight
-  double spherical_um_per_D =
-      0.0;  ///< change of coefficient 12 with accommodation (observer_eye.h)
-  bool stiles_crawford = false;
+  std::optional<FieldAberrations> field{};   ///< aberrations beside the line of sight
   glm::dvec2 stiles_crawford_center_m{0.0};  ///< towards the nose, upwards
   glm::dvec2 pupil_offset_m{0.0};  ///< from the achromatic axis: towards the nose, upwards
-  bool diffraction = false;
 };
 
 struct FocusSettings {

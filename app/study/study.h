@@ -107,24 +107,17 @@ struct Study {
     EyeField field() const;
   } display;
 
-  struct Observer {
-    PupilModel pupil = PupilModel::fixed;
-    double pupil_mm = 4.0;  ///< where fixed, and until a recording says one
+  struct Observer : StatedObserver {
     double retina_mm = 24.0;
-    double ipd_mm = 63.0;
     double sphere_D = 0.0, cylinder_D = 0.0, axis_deg = 0.0;  ///< the prescription of both eyes
     bool corrected = true;                                    ///< the prescription is worn
-    bool chromatic = false;                                   ///< see render/optics/colours.h
     int wavelengths = 9;  ///< that the screen's spectra are rendered as
     WavefrontChoice wavefront;
     FieldChoice field;
-    std::optional<double> age_years;           ///< typical aberrations; absent: none
-    std::optional<double> wavefront_pupil_mm;  ///< that its coefficients hold for
-    double spherical_um_per_D = 0.0;           ///< change of coefficient 12 with accommodation
-    bool stiles_crawford = false;
+    std::optional<double> age_years;            ///< typical aberrations; absent: none
+    std::optional<double> wavefront_pupil_mm;   ///< that its coefficients hold for
     glm::dvec2 stiles_crawford_center_mm{0.0};  ///< towards the nose, upwards
     glm::dvec2 pupil_offset_mm{0.0};            ///< from the achromatic axis; towards the nose, up
-    bool diffraction = false;
   } observer;
 
   struct Gaze {
