@@ -86,8 +86,8 @@ SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
                            const PictureOptions& options) {
   SessionSettings settings;
   for (int k = 0; k < 3; ++k) inRange("background", options.background[k], 0.0, 1.0);
-  settings.background = glm::vec3(options.background);
-  settings.shading = static_cast<float>(inRange("shading", options.shading, 0.0, 1.0));
+  settings.lighting.background = glm::vec3(options.background);
+  settings.lighting.shading = static_cast<float>(inRange("shading", options.shading, 0.0, 1.0));
   settings.path = pathOf(eye);
   settings.screen = screen;
   settings.observer.pupil_mm = eye.pupil_mm;

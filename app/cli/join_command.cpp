@@ -6,7 +6,6 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/summary_text.h"
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/replay/join.h"

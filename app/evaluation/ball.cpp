@@ -85,7 +85,7 @@ SceneInView ballInView(int size_px) {
   RenderSettings settings;
   settings.defocus.focus_D = 1.0f / (kDistance_m - kRadius_m);
   settings.defocus.along = DistanceAlong::axis;  // a camera, as in the other scenes
-  settings.background = kBackground;
+  settings.lighting.background = kBackground;
   return {.name = "ball",
           .scene = {std::move(cloud)},
           .view = viewOfCamera(eyeFromWorld({0.0f, 0.0f, kDistance_m}, glm::vec3(0.0f), {0, 1, 0}),

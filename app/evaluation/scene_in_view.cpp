@@ -47,7 +47,7 @@ RenderSettings settingsFor(double focus_m, const glm::vec3& background) {
   RenderSettings settings;
   settings.defocus.focus_D = static_cast<float>(1.0 / focus_m);
   settings.defocus.along = DistanceAlong::axis;  // a camera, as in the paper
-  settings.background = background;
+  settings.lighting.background = background;
   return settings;
 }
 

@@ -8,7 +8,6 @@
 
 #include "app/live/objects.h"
 #include "app/record/gaze_marker.h"
-#include "app/session/auto_method.h"
 #include "app/study/framing.h"
 #include "app/study/inputs.h"
 #include "app/study/live_change.h"
@@ -21,6 +20,7 @@
 #include "gaze/geometry/line_of_sight.h"
 #include "render/lod/moment_tree.h"
 #include "render/methods/method.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 namespace {
@@ -241,7 +241,7 @@ std::future<OutsideScene> LiveRenderer::outside() {
     request.split = false;
     request.eyes.resize(1);
     RenderSettings& settings = request.eyes[0].settings;
-    settings = {.defocus = {}, .background = settings.background, .shading = settings.shading};
+    settings = {.defocus = {}, .lighting = settings.lighting};
     answer->set_value(
         {session_->cloneRenderer(), std::move(request), std::max(threads_, 2u) - 1, last_});
   });

@@ -80,4 +80,7 @@ void addReception(const GazeReception& reception, nlohmann::ordered_json& json);
 /// `--json`: the summary as one line.
 std::string summaryJson(const RunSummary& summary);
 
+/// The summary for people.
+std::string summaryText(const RunSummary& summary);
+
 }  // namespace foci

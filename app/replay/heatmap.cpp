@@ -54,7 +54,7 @@ HeatPicture pictureFrom(Method& method, const glm::dvec3& eye_m, const glm::dvec
       size_px, kFov_rad);
   Frame frame;
   RenderSettings settings;
-  settings.shading = kShading;
+  settings.lighting.shading = kShading;
   method.render(view, settings, frame);
   return {.caption = std::move(caption), .image = imageOf(frame)};
 }

@@ -5,13 +5,13 @@
 
 #include "app/platform/output_files.h"
 #include "app/replay/frame_maps.h"
-#include "app/session/auto_method.h"
 #include "app/session/session.h"
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/image/image_file.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 namespace {

@@ -1,8 +1,8 @@
 #include "app/replay/replayed_eye.h"
 
-#include "app/session/auto_method.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/session/auto_method.h"
+#include "render/methods/quality_level.h"
 #include "render/splat/sweep.h"
 
 namespace foci {

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <utility>
 
-#include "app/session/auto_method.h"
 #include "base/input_error.h"
 #include "base/transformed.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "render/methods/quality_level.h"
 #include "render/optics/view.h"
 
 namespace foci {
@@ -33,8 +33,17 @@ std::optional<glm::dvec2> gazeOf(const FrameRecord& record) {
   return record.gaze_px ? record.gaze_px : record.fixation_px;
 }
 
-SessionSettings checked(const SessionSettings& settings) {
-  checkSettings(settings);
+const SessionSettings& checked(const SessionSettings& settings) {
+  if (const auto expected = expectedMethod(settings.method)) {
+    throw InputError("method " + settings.method, "expected " + *expected);
+  }
+  const glm::ivec2& size_px = settings.output.size_px;
+  if (size_px.x <= 0 || size_px.y <= 0) throw InputError("output size", "expected 1 px or more");
+  const StereoView stereo = settings.output.stereo;
+  if ((stereo == StereoView::side_by_side && size_px.x % 2 != 0) ||
+      (stereo == StereoView::top_bottom && size_px.y % 2 != 0)) {
+    throw InputError("output size", "expected an even number of px, to be halved for two eyes");
+  }
   return settings;
 }
 
@@ -106,8 +115,7 @@ void Session::restart(double start_s) {
 }
 
 void Session::changeSettings(const SessionSettings& settings) {
-  checkSettings(settings);
-  renderer_.methodNamed(settings.method);  // refuses a method that cannot render the scene
+  renderer_.methodNamed(checked(settings).method);  // refuses one that cannot render the scene
   const bool moved = !(settings.path == settings_.path);
   settings_ = settings;
   pupil_.fix(settings_.observer.pupil_mm);
@@ -296,9 +304,8 @@ void Session::finishLook(FrameRecord& record) {
 
 /// Shows a pupil that follows luminance its first frame. Blur does not change the mean luminance.
 void Session::showSharpFrame(double time_s) {
-  renderer_.renderView(
-      settings_.method, middleViewAt(time_s),
-      {.defocus = {}, .background = settings_.background, .shading = settings_.shading}, sharp_);
+  renderer_.renderView(settings_.method, middleViewAt(time_s),
+                       {.defocus = {}, .lighting = settings_.lighting}, sharp_);
   pupil_.show(time_s, sharp_);
 }
 
@@ -381,8 +388,7 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
     RenderSettings settings{
         .defocus = defocusOfEye(settings_.observer, pupil_mm, eye.view.focal_px, focus_D),
         .pupil = pupilOfEye(settings_.observer, eye.isLeft(), pupil_mm, eye.view.focal_px, focus_D),
-        .background = settings_.background,
-        .shading = settings_.shading,
+        .lighting = settings_.lighting,
         .depth = settings_.output.depth};
     addField(record, eye, settings.defocus);
     if (usesQuality(method)) settings.quality = qualityOf(record, eye);

@@ -29,7 +29,7 @@ class Session {
   /// @param start_s      time of the first sample: the path of the eye begins there
   /// @param window_gpu   of the window that shows the frames; preferred to other GPUs, because its
   ///                     frames can stay on it. Null: there is none
-  /// @throws InputError as `checkSettings`
+  /// @throws InputError where the method is unknown, or an image cannot be halved for two eyes
   Session(const SessionSettings& settings, const Scene& scene, const Screen& gaze_screen,
           double rate_Hz, double start_s, const SharedGpu& window_gpu = nullptr);
 
@@ -38,7 +38,7 @@ class Session {
 
   /// New settings from the next frame on. Screen, source of the pupil, and what the gaze follower
   /// knows (events, accommodation, cone, vergence) change at the next `restart` only.
-  /// @throws InputError as `checkSettings`; the session is then as it was
+  /// @throws InputError as the constructor; the session is then as it was
   void changeSettings(const SessionSettings& settings);
 
   void push(const GazeSample& sample) {

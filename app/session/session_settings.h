@@ -14,6 +14,7 @@
 #include "gaze/geometry/gaze_sample.h"
 #include "render/optics/colours.h"
 #include "render/optics/eye_field.h"
+#include "render/optics/view.h"
 #include "render/optics/wavefront.h"
 
 namespace foci {
@@ -22,21 +23,25 @@ namespace foci {
 /// of the rendered frames.
 enum class PupilModel { fixed, recording, luminance };
 
-struct ObserverSettings {
+/// The observer, as far as a study states it in the terms of the session.
+struct StatedObserver {
   PupilModel pupil = PupilModel::fixed;
   double pupil_mm = 4.0;  ///< where fixed, and until a recording says one
   double ipd_mm = 63.0;
+  bool chromatic = false;  ///< red, green and blue each have their focus (colours.h)
+  /// Change of coefficient 12 with accommodation (observer_eye.h).
+  double spherical_um_per_D = 0.0;
+  bool stiles_crawford = false;
+  bool diffraction = false;
+};
+
+struct ObserverSettings : StatedObserver {
   Refraction refraction{};  ///< what glasses do not correct; default: none
-  bool chromatic = false;   ///< red, green and blue each have their focus (colours.h)
   /// Of the left and the right eye, as measured; what `refraction` holds is left out.
   std::array<Wavefront, 2> wavefronts{};
-  std::optional<FieldAberrations> field{};  ///< aberrations beside the line of sight
-  double spherical_um_per_D =
-      0.0;  ///< change of coefficient 12 with accommodation (observer_eye.h)
-  bool stiles_crawford = false;
+  std::optional<FieldAberrations> field{};   ///< aberrations beside the line of sight
   glm::dvec2 stiles_crawford_center_m{0.0};  ///< towards the nose, upwards
   glm::dvec2 pupil_offset_m{0.0};  ///< from the achromatic axis: towards the nose, upwards
-  bool diffraction = false;
 };
 
 struct FocusSettings {
@@ -74,8 +79,7 @@ struct OutputView {
 };
 
 struct SessionSettings {
-  glm::vec3 background{0.0f};  ///< linear RGB behind everything
-  float shading = 0.0f;        ///< 0 to 1: how much colour falls off with the angle of sight
+  Lighting lighting{};
   EyePath path{};
   Screen screen = defaultScreen();  ///< that the frames are shown on
   /// The displays of a headset. `screen` is then what both eyes see of them.
@@ -92,10 +96,11 @@ struct SessionSettings {
   OutputView output{};
 };
 
-/// @throws InputError where the method is unknown, or an image cannot be halved for two eyes
-void checkSettings(const SessionSettings& settings);
-
 /// How the observer's eye accommodates: from the far point that its refraction leaves it.
-AccommodationSettings accommodationOf(const SessionSettings& settings);
+inline AccommodationSettings accommodationOf(const SessionSettings& settings) {
+  AccommodationSettings accommodation = settings.focus.accommodation;
+  accommodation.far_point_D = settings.observer.refraction.far_point_D;
+  return accommodation;
+}
 
 }  // namespace foci

@@ -35,7 +35,15 @@ struct Key {
   void (*read)(const toml::value&, const Allowed&, T&);
   std::string (*write)(const T&);
   void (*reset)(T&);
+  bool live = false;  ///< `changesLive`
 };
+
+/// The same key, which may change while a session runs.
+template <class T>
+Key<T> live(Key<T> key) {
+  key.live = true;
+  return key;
+}
 
 /// @param at  the member that the key sets
 template <class T, auto at>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <utility>
 
 #include "app/study/session_settings_of.h"
@@ -12,45 +11,10 @@
 namespace foci {
 namespace {
 
-constexpr std::string_view kLiveKeys[] = {"eye.position_m",
-                                          "eye.look_at_m",
-                                          "display.left_eye_m",
-                                          "display.right_eye_m",
-                                          "observer.pupil_mm",
-                                          "observer.ipd_mm",
-                                          "focus.fixed_D",
-                                          "render.method",
-                                          "render.shading",
-                                          "scene.background",
-                                          "output.marker",
-                                          "output.split",
-                                          "output.view",
-                                          "quality.tolerance",
-                                          "quality.frame_ms",
-                                          "quality.foveated",
-                                          "observer.sphere_D",
-                                          "observer.cylinder_D",
-                                          "observer.axis_deg",
-                                          "observer.corrected",
-                                          "observer.chromatic",
-                                          "observer.field",
-                                          "observer.wavefront",
-                                          "observer.wavefront_pupil_mm",
-                                          "observer.age_years",
-                                          "observer.spherical_um_per_D",
-                                          "observer.stiles_crawford",
-                                          "observer.stiles_crawford_center_mm",
-                                          "observer.pupil_offset_mm",
-                                          "observer.diffraction"};
-
 /// Those that may name a file.
 constexpr std::string_view kWavefrontKey = "observer.wavefront", kFieldKey = "observer.field";
 
 }  // namespace
-
-bool changesLive(std::string_view key) {
-  return std::find(std::begin(kLiveKeys), std::end(kLiveKeys), key) != std::end(kLiveKeys);
-}
 
 std::string remoteValue(const Study& study, const std::string& key, const std::string& toml) {
   if (key != kWavefrontKey && key != kFieldKey) return toml;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "app/session/session.h"
 #include "app/study/study.h"
@@ -15,9 +14,6 @@ struct Change {
   std::string key;
   std::string toml;  ///< as `setKey` takes it
 };
-
-/// Whether `changeLive` takes the key.
-bool changesLive(std::string_view key);
 
 /// The value as remote control may set it. A key that names a file takes those in `remote.folder`
 /// alone; the value returned names the file in full.

@@ -39,7 +39,7 @@ std::string frameScene(Study& study, const SceneFacts& facts, const std::optiona
 }
 
 void shadePlainScene(Study& study, const SceneFacts& facts) {
-  if (isPlain(facts)) study.render.shading = kPlainShading;
+  if (isPlain(facts)) study.lighting.shading = static_cast<float>(kPlainShading);
 }
 
 void frameScene(Study& study, const SceneFacts& facts, const Framing& framing) {

@@ -81,41 +81,34 @@ EyePath eyePathOf(const Study& study) {
 
 SessionSettings sessionSettingsOf(const Study& study) {
   const Eyes eyes = eyesOf(study.observer);
+  ObserverSettings observer{study.observer};
+  observer.refraction = eyes.refraction;
+  observer.wavefronts = eyes.wavefronts;
+  observer.field = fieldOf(study.observer.field);
+  observer.stiles_crawford_center_m = study.observer.stiles_crawford_center_mm / 1000.0;
+  observer.pupil_offset_m = study.observer.pupil_offset_mm / 1000.0;
   std::vector<Colour> colours;
   if (study.screen.spectra && study.observer.chromatic) {
     colours = coloursOfSpectra(readSpectra(*study.screen.spectra), study.observer.wavelengths);
   }
-  return {
-      .background = glm::vec3(study.scene.background),
-      .shading = static_cast<float>(study.render.shading),
-      .path = eyePathOf(study),
-      .screen = study.screenInForce(),
-      .headset = study.display.kind == DisplayKind::headset ? std::optional(study.headsetEyes())
-                                                            : std::nullopt,
-      .luminance_cd_m2 = study.screen.luminance_cd_m2,
-      .colours = std::move(colours),
-      .observer = {.pupil = study.observer.pupil,
-                   .pupil_mm = study.observer.pupil_mm,
-                   .ipd_mm = study.observer.ipd_mm,
-                   .refraction = eyes.refraction,
-                   .chromatic = study.observer.chromatic,
-                   .wavefronts = eyes.wavefronts,
-                   .field = fieldOf(study.observer.field),
-                   .spherical_um_per_D = study.observer.spherical_um_per_D,
-                   .stiles_crawford = study.observer.stiles_crawford,
-                   .stiles_crawford_center_m = study.observer.stiles_crawford_center_mm / 1000.0,
-                   .pupil_offset_m = study.observer.pupil_offset_mm / 1000.0,
-                   .diffraction = study.observer.diffraction},
-      .events = study.gaze.events,
-      .focus = study.focus,
-      .method = study.render.method,
-      .device = study.render.device,
-      .quality = study.quality,
-      .output = {.size_px = study.imageSize_px(),
-                 .stereo = study.output.view,
-                 .split = study.output.split,
-                 .depth = std::ranges::any_of(
-                     study.output.maps, [](FrameMap map) { return map != FrameMap::light; })}};
+  return {.lighting = study.lighting,
+          .path = eyePathOf(study),
+          .screen = study.screenInForce(),
+          .headset = study.display.kind == DisplayKind::headset ? std::optional(study.headsetEyes())
+                                                                : std::nullopt,
+          .luminance_cd_m2 = study.screen.luminance_cd_m2,
+          .colours = std::move(colours),
+          .observer = std::move(observer),
+          .events = study.gaze.events,
+          .focus = study.focus,
+          .method = study.render.method,
+          .device = study.render.device,
+          .quality = study.quality,
+          .output = {.size_px = study.imageSize_px(),
+                     .stereo = study.output.view,
+                     .split = study.output.split,
+                     .depth = std::ranges::any_of(
+                         study.output.maps, [](FrameMap map) { return map != FrameMap::light; })}};
 }
 
 bool ellipsesAsCircles(const Study& study) {

@@ -69,7 +69,6 @@ struct Study {
     std::string builtin = "gallery";  ///< shown if there is no file
     double scale_m = 1.0;             ///< metres per unit of the file
     bool cache = true;                ///< the user's (scene_cache.h)
-    glm::dvec3 background{0.0};       ///< linear RGB
     std::vector<NamedShape> objects;  ///< what gaze meets within them is on them
     std::vector<ScenePart> parts;     ///< join the file or the built-in scene
   } scene;
@@ -108,24 +107,17 @@ struct Study {
     EyeField field() const;
   } display;
 
-  struct Observer {
-    PupilModel pupil = PupilModel::fixed;
-    double pupil_mm = 4.0;  ///< where fixed, and until a recording says one
+  struct Observer : StatedObserver {
     double retina_mm = 24.0;
-    double ipd_mm = 63.0;
     double sphere_D = 0.0, cylinder_D = 0.0, axis_deg = 0.0;  ///< the prescription of both eyes
     bool corrected = true;                                    ///< the prescription is worn
-    bool chromatic = false;                                   ///< see render/optics/colours.h
     int wavelengths = 9;  ///< that the screen's spectra are rendered as
     WavefrontChoice wavefront;
     FieldChoice field;
-    std::optional<double> age_years;           ///< typical aberrations; absent: none
-    std::optional<double> wavefront_pupil_mm;  ///< that its coefficients hold for
-    double spherical_um_per_D = 0.0;           ///< change of coefficient 12 with accommodation
-    bool stiles_crawford = false;
+    std::optional<double> age_years;            ///< typical aberrations; absent: none
+    std::optional<double> wavefront_pupil_mm;   ///< that its coefficients hold for
     glm::dvec2 stiles_crawford_center_mm{0.0};  ///< towards the nose, upwards
     glm::dvec2 pupil_offset_mm{0.0};            ///< from the achromatic axis; towards the nose, up
-    bool diffraction = false;
   } observer;
 
   struct Gaze {
@@ -145,9 +137,10 @@ struct Study {
 
   struct Render {
     std::string method = "auto";
-    double shading = 0.0;
     RenderDevice device = RenderDevice::automatic;
   } render;
+
+  Lighting lighting;
 
   QualitySettings quality;
 
@@ -199,6 +192,9 @@ using OptionValue = std::variant<double, std::string, std::vector<double>>;
 /// @param where  for messages
 /// @throws InputError
 void setKey(Study& study, std::string_view key, const std::string& toml, const std::string& where);
+
+/// Whether a key may change while a session runs (live_change.h).
+bool changesLive(std::string_view key);
 
 /// Sets a key as a command-line option does, under the same checks as in the file.
 /// @param option  for messages, e.g. "--pupil 40"

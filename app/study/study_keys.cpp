@@ -194,14 +194,16 @@ const std::vector<Key<Study>>& studyKeys() {
           scene.cache,
           "keep the surfels of meshes and scans in the user's cache folder; the frames are the "
           "same"),
-      FOCI_KEY(scene.background, "linear RGB behind everything", {0, 1}),
+      live(FOCI_KEY_AS("scene.background", lighting.background, "linear RGB behind everything",
+                       {0, 1})),
       FOCI_KEY_AS("scene.object", scene.objects,
                   "boxes { name, center_m, size_m } and spheres { name, center_m, radius_m } that "
                   "name objects; the first match counts"),
       FOCI_KEY_AS("scene.part", scene.parts,
                   "further files { file, position_m, rotation, scale_m } of any kind"),
-      FOCI_KEY(eye.position_m, "where the eye is, m", {-kFar_m, kFar_m}),
-      FOCI_KEY(eye.look_at_m, "point that the centre of the screen shows, m", {-kFar_m, kFar_m}),
+      live(FOCI_KEY(eye.position_m, "where the eye is, m", {-kFar_m, kFar_m})),
+      live(FOCI_KEY(eye.look_at_m, "point that the centre of the screen shows, m",
+                    {-kFar_m, kFar_m})),
       FOCI_KEY(eye.up, "upward direction", {-1, 1}),
       FOCI_KEY(eye.path,
                "keyframes { time_s, position_m, look_at_m, up } of a moving eye, instead of "
@@ -227,57 +229,64 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(display.pixels_per_degree, "resolution of a headset straight ahead, px/deg",
                {1, 100}),
       FOCI_KEY(display.right_field_deg, "field of the right eye, if not the mirror image", {1, 80}),
-      FOCI_KEY(display.left_eye_m, "left eye in the head's frame, m; absent: by observer.ipd_mm",
-               {-0.5, 0.5}),
-      FOCI_KEY(display.right_eye_m, "right eye", {-0.5, 0.5}),
+      live(FOCI_KEY(display.left_eye_m,
+                    "left eye in the head's frame, m; absent: by observer.ipd_mm", {-0.5, 0.5})),
+      live(FOCI_KEY(display.right_eye_m, "right eye", {-0.5, 0.5})),
       FOCI_KEY(display.left_eye_rotation,
                "cant of the left display: quaternion x, y, z, w from it to the head", {-1, 1}),
       FOCI_KEY(display.right_eye_rotation, "cant of the right one", {-1, 1}),
       FOCI_KEY(observer.pupil, "fixed, from the recording, or from the luminance of the images",
                {.words = studyWords<PupilModel>()}),
-      FOCI_KEY(observer.pupil_mm,
-               "diameter of the fixed pupil, mm; also until the recording states one", {0.5, 12}),
+      live(FOCI_KEY(observer.pupil_mm,
+                    "diameter of the fixed pupil, mm; also until the recording states one",
+                    {0.5, 12})),
       FOCI_KEY(observer.retina_mm, "lens to retina, mm", {10, 40}),
-      FOCI_KEY(observer.ipd_mm, "interpupillary distance, mm", {40, 80}),
-      FOCI_KEY(observer.sphere_D,
-               "sphere of the prescription of both eyes, D; below 0 short-sighted", {-20, 20}),
-      FOCI_KEY(observer.cylinder_D,
-               "cylinder of the prescription, D; the power across the axis is sphere + cylinder",
-               {-10, 10}),
-      FOCI_KEY(observer.axis_deg,
-               "axis of the cylinder, deg, counter-clockwise for somebody who faces the observer",
-               {0, 180}),
-      FOCI_KEY(observer.corrected, "true: with glasses of this prescription; false: without"),
-      FOCI_KEY(observer.chromatic,
-               "red, green and blue have their own focus; a frame takes three times as long"),
+      live(FOCI_KEY(observer.ipd_mm, "interpupillary distance, mm", {40, 80})),
+      live(FOCI_KEY(observer.sphere_D,
+                    "sphere of the prescription of both eyes, D; below 0 short-sighted",
+                    {-20, 20})),
+      live(FOCI_KEY(
+          observer.cylinder_D,
+          "cylinder of the prescription, D; the power across the axis is sphere + cylinder",
+          {-10, 10})),
+      live(FOCI_KEY(
+          observer.axis_deg,
+          "axis of the cylinder, deg, counter-clockwise for somebody who faces the observer",
+          {0, 180})),
+      live(FOCI_KEY(observer.corrected, "true: with glasses of this prescription; false: without")),
+      live(FOCI_KEY(observer.chromatic,
+                    "red, green and blue have their own focus; a frame takes three times as long")),
       FOCI_KEY(observer.wavelengths, "wavelengths that sample screen.spectra, one rendering each",
                {3, 31}),
-      FOCI_KEY(observer.wavefront,
-               "Zernike coefficients of both eyes, um, in the order of OSA and ANSI from index 0; "
-               "or an aberrometer's file (CSV)",
-               {-50, 50}),
-      FOCI_KEY(observer.wavefront_pupil_mm,
-               "diameter of the pupil that the coefficients hold for, mm", {1, 12}),
-      FOCI_KEY(observer.age_years,
-               "typical aberrations of this age, without observer.wavefront; focus.age_years "
-               "limits how near the eye focuses",
-               {18, 90}),
-      FOCI_KEY(observer.field,
-               "aberrations beside the line of sight: \"none\", \"typical\" (of ten eyes), or a "
-               "table of coefficients by angle"),
-      FOCI_KEY(observer.spherical_um_per_D,
-               "change of the spherical aberration (coefficient 12, pupil of 5 mm) per dioptre of "
-               "accommodation, um/D; young eyes: about -0.05",
-               {-0.5, 0.5}),
-      FOCI_KEY(observer.stiles_crawford, "light near the rim of the pupil counts less"),
-      FOCI_KEY(observer.stiles_crawford_center_mm,
-               "where light counts most: towards the nose, upwards, mm", {-3, 3}),
-      FOCI_KEY(observer.pupil_offset_mm,
-               "centre of the pupil from the achromatic axis: towards the nose, upwards, mm; "
-               "shifts the colours of observer.chromatic",
-               {-3, 3}),
-      FOCI_KEY(observer.diffraction,
-               "diffraction at 555 nm, where pixels are fine enough to show it"),
+      live(FOCI_KEY(
+          observer.wavefront,
+          "Zernike coefficients of both eyes, um, in the order of OSA and ANSI from index 0; "
+          "or an aberrometer's file (CSV)",
+          {-50, 50})),
+      live(FOCI_KEY(observer.wavefront_pupil_mm,
+                    "diameter of the pupil that the coefficients hold for, mm", {1, 12})),
+      live(FOCI_KEY(observer.age_years,
+                    "typical aberrations of this age, without observer.wavefront; focus.age_years "
+                    "limits how near the eye focuses",
+                    {18, 90})),
+      live(FOCI_KEY(
+          observer.field,
+          "aberrations beside the line of sight: \"none\", \"typical\" (of ten eyes), or a "
+          "table of coefficients by angle")),
+      live(FOCI_KEY(
+          observer.spherical_um_per_D,
+          "change of the spherical aberration (coefficient 12, pupil of 5 mm) per dioptre of "
+          "accommodation, um/D; young eyes: about -0.05",
+          {-0.5, 0.5})),
+      live(FOCI_KEY(observer.stiles_crawford, "light near the rim of the pupil counts less")),
+      live(FOCI_KEY(observer.stiles_crawford_center_mm,
+                    "where light counts most: towards the nose, upwards, mm", {-3, 3})),
+      live(FOCI_KEY(observer.pupil_offset_mm,
+                    "centre of the pupil from the achromatic axis: towards the nose, upwards, mm; "
+                    "shifts the colours of observer.chromatic",
+                    {-3, 3})),
+      live(FOCI_KEY(observer.diffraction,
+                    "diffraction at 555 nm, where pixels are fine enough to show it")),
       FOCI_KEY(gaze.source, "\"simulated\", a recording (TSV, CSV, ASC, XDF), or webcam:VIDEO"),
       FOCI_KEY(gaze.map, "map of foci calibrate gaze, for a recording or a webcam"),
       FOCI_KEY(gaze.camera, "camera of foci calibrate camera"),
@@ -376,30 +385,32 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(focus.vergence,
                "focus also depends on the distance at which both lines of sight meet"),
       FOCI_KEY(focus.accommodation.resting_D, "focus before there is a target, D", {0, 10}),
-      FOCI_KEY(focus.fixed_D, "fixed focus, D; absent: focus follows the gaze", {0, 20}),
-      FOCI_KEY(render.method, "method that renders depth of field: `foci methods`",
-               {.expected = expectedMethod}),
-      FOCI_KEY(render.shading,
-               "share of the colour that falls off with the angle between surface and sight",
-               {0, 1}),
+      live(FOCI_KEY(focus.fixed_D, "fixed focus, D; absent: focus follows the gaze", {0, 20})),
+      live(FOCI_KEY(render.method, "method that renders depth of field: `foci methods`",
+                    {.expected = expectedMethod})),
+      live(FOCI_KEY_AS(
+          "render.shading", lighting.shading,
+          "share of the colour that falls off with the angle between surface and sight", {0, 1})),
       FOCI_KEY(render.device, "what renders; auto: a GPU with OpenGL 4.5, else the CPU",
                {.words = studyWords<RenderDevice>()}),
-      FOCI_KEY(quality.tolerance,
-               "error that method auto allows in 95 % of the pixels, just-noticeable differences",
-               {0.1, 100}),
-      FOCI_KEY(quality.frame_ms,
-               "frame-time budget of method auto, ms, instead of the tolerance; images then depend "
-               "on the machine's speed; absent: none",
-               {1, 1000}),
-      FOCI_KEY(quality.foveated,
-               "renders no finer than the eye resolves away from gaze, and reuses frames in "
-               "saccades and blinks (auto)"),
+      live(FOCI_KEY(
+          quality.tolerance,
+          "error that method auto allows in 95 % of the pixels, just-noticeable differences",
+          {0.1, 100})),
+      live(FOCI_KEY(
+          quality.frame_ms,
+          "frame-time budget of method auto, ms, instead of the tolerance; images then depend "
+          "on the machine's speed; absent: none",
+          {1, 1000})),
+      live(FOCI_KEY(quality.foveated,
+                    "renders no finer than the eye resolves away from gaze, and reuses frames in "
+                    "saccades and blinks (auto)")),
       FOCI_KEY(output.size_px, "width and height of the images, px; absent: those of the screen",
                {16, 8192}),
       FOCI_KEY(output.fps, "frames per second", {1, 1000}),
       FOCI_KEY(output.seconds, "start and end, after the recording's first sample, s", {0, 1e6}),
-      FOCI_KEY(output.marker, "shows where the observer looks"),
-      FOCI_KEY(output.split, "left half sharp, right half as the eye sees it"),
+      live(FOCI_KEY(output.marker, "shows where the observer looks")),
+      live(FOCI_KEY(output.split, "left half sharp, right half as the eye sees it")),
       FOCI_KEY(output.sync_patch,
                "side of a patch in the lower right corner of foci live, px, whose brightness "
                "follows the frame number, for a photodiode; 0: none",
@@ -409,10 +420,11 @@ const std::vector<Key<Study>>& studyKeys() {
                "also saves EXR maps of every replayed frame: linear RGB, depth in metres, defocus "
                "in D (above 0: nearer than the focus); for a single view only",
                {.words = studyWords<FrameMap>()}),
-      FOCI_KEY(output.view,
-               "one eye in the middle; both eyes: left beside right, left above right, or left in "
-               "red; or one eye alone",
-               {.words = studyWords<StereoView>()}),
+      live(FOCI_KEY(
+          output.view,
+          "one eye in the middle; both eyes: left beside right, left above right, or left in "
+          "red; or one eye alone",
+          {.words = studyWords<StereoView>()})),
       FOCI_KEY(record.frames, "frames.tsv of a live run, instead of output.fps"),
       FOCI_KEY(record.changes, "changes.tsv of a live run"),
       FOCI_KEY(record.markers, "event_markers.tsv of a live run, which the report shows"),
@@ -445,6 +457,11 @@ std::string shownName(std::string_view name) {
   // People read a quote without its escape.
   for (std::size_t at = 0; (at = shown.find("\\\"", at)) != std::string::npos;) shown.erase(at, 1);
   return shown;
+}
+
+bool changesLive(std::string_view key) {
+  const auto found = std::ranges::find(studyKeys(), key, &Key<Study>::name);
+  return found != studyKeys().end() && found->live;
 }
 
 KeyNames setKeys(Study& study, const TomlDocument& document, const std::string& file) {

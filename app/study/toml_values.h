@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <concepts>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -56,6 +57,12 @@ inline void read(const toml::value& from, const Allowed& allowed, double& to) {
                                            : std::numeric_limits<double>::quiet_NaN();
   if (!(value >= allowed.low && value <= allowed.high)) throw Expected{rangeText(allowed)};
   to = value;
+}
+
+inline void read(const toml::value& from, const Allowed& allowed, float& to) {
+  double value{};
+  read(from, allowed, value);
+  to = static_cast<float>(value);
 }
 
 template <std::signed_integral Integer>
@@ -176,6 +183,11 @@ requires(!HasStudyWords<std::optional<T>>) void read(const toml::value& from,
 }
 
 inline std::string write(double value) { return exactText(value); }
+/// The shortest text that reads as this float.
+inline std::string write(float value) {
+  std::array<char, 40> text;
+  return {text.begin(), std::to_chars(text.begin(), text.end(), value).ptr};
+}
 std::string write(std::signed_integral auto value) { return std::to_string(value); }
 inline std::string write(bool value) { return value ? "true" : "false"; }
 inline std::string write(const std::string& value) { return quotedText(value); }

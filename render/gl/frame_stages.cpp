@@ -319,10 +319,10 @@ GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene) {
   block.blur_lens = {radius * request.aperture, radius * lens};
   if (!blurred) block.focus.w = 0.0f;
   block.cut = {cut.per_blur2, cut.per_pixel2, cut.per_acuity2, view.near_m};
-  block.background_low_pass = {request.background, request.low_pass_px};
+  block.background_low_pass = {request.lighting.background, request.low_pass_px};
   block.meridian_oblong = {nearestMeridian(defocus), oblong, 1.0f / oblong};
   block.sub_aperture_shading = {number > 1 ? 1.0f / std::sqrt(static_cast<float>(number)) : 0.0f,
-                                request.shading, static_cast<float>(number),
+                                request.lighting.shading, static_cast<float>(number),
                                 lensRadius_m(view, defocus)};
   block.size.z = coarse ? kApron * kMaxStep_px : 0;
   block.size.w = coarse;

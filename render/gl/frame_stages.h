@@ -32,8 +32,7 @@ struct GpuRequest {
   Acuity acuity = {};              ///< width of the prefilter without a cut, which has its own
   glm::vec2 lens{0.0f};            ///< `Projection::lens`
   float aperture = 1.0f;           ///< `Projection::aperture`
-  float shading = 0.0f;
-  glm::vec3 background{0.0f};
+  Lighting lighting = {};
   bool depth = false;
   float low_pass_px = 0.0f;                     ///< of `SweepSettings`
   std::vector<glm::vec2> sub_aperture_centres;  ///< lens radii; up to one: none

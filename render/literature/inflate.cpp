@@ -189,7 +189,7 @@ class InflateMethod final : public Method {
         const std::size_t p = static_cast<std::size_t>(begin.y + y) * frame.size_px.x + begin.x + x;
         const float covered = 1.0f - tile.transmittance[i];
         frame.rgba[p] = glm::vec4(glm::vec3(tile.red[i], tile.green[i], tile.blue[i]) +
-                                      tile.transmittance[i] * settings.background,
+                                      tile.transmittance[i] * settings.lighting.background,
                                   covered);
         if (settings.depth) frame.depth_m[p] = covered > 0.0f ? tile.distance[i] / covered : 0.0f;
       }

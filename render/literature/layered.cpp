@@ -38,7 +38,7 @@ class LayeredMethod final : public Method {
     }
     const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
     frame.size_px = view.size_px;
-    frame.rgba.assign(pixels, glm::vec4(settings.background, 0.0f));
+    frame.rgba.assign(pixels, glm::vec4(settings.lighting.background, 0.0f));
 
     scene_.project(cloud_, view, settings, {.aperture = 0.0f});
     stats.splats = scene_.count();

@@ -22,8 +22,8 @@ RenderStats renderPaper(const PaperSplats& splats, PaperTileLists& lists, const 
   lists.build(splats, view.size_px);
   RenderStats stats;
   stats.splats = splats.total();
-  stats.fragments =
-      renderABuffer(splats, lists, settings.background, transparent, settings.depth, frame);
+  stats.fragments = renderABuffer(splats, lists, settings.lighting.background, transparent,
+                                  settings.depth, frame);
   return stats;
 }
 
@@ -49,7 +49,7 @@ class PaperMethod final : public Method {
                         .color = cloud_.color.data() + begin,
                         .opacity = cloud_.opacity.empty() ? nullptr : cloud_.opacity.data() + begin,
                         .area_m2 = cloud_.area_m2.data() + begin},
-                       view, settings.defocus, settings.shading, splats_.splats.get() + begin,
+                       view, settings.defocus, settings.lighting, splats_.splats.get() + begin,
                        splats_.tiles.get() + begin);
     });
     return renderPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
@@ -194,7 +194,7 @@ class Traversal {
                                .color = batch.color.data(),
                                .opacity = batch.opacity.data(),
                                .area_m2 = batch.area_m2.data()},
-                              view_, settings_.defocus, settings_.shading, splats_ + rendered_,
+                              view_, settings_.defocus, settings_.lighting, splats_ + rendered_,
                               tiles_ + rendered_);
     batch.count = 0;
   }

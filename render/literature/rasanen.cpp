@@ -108,7 +108,7 @@ class RasanenMethod final : public Method {
     scene_.project(cloud_, view, settings, {});
     std::vector<std::uint64_t> fragments(scene_.tileCount());
     parallelFor(fragments.size(), [&](std::size_t tile) {
-      fragments[tile] = renderTile(tile, settings.background, frame);
+      fragments[tile] = renderTile(tile, settings.lighting.background, frame);
     });
     RenderStats stats;
     stats.splats = scene_.count();

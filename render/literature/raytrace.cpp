@@ -67,7 +67,7 @@ class RaytraceMethod final : public Method {
 
  private:
   RenderStats renderTriangles(const View& view, const RenderSettings& settings, Frame& frame) {
-    const TriangleScene scene(*cloud_.mesh, view, settings.defocus, settings.shading);
+    const TriangleScene scene(*cloud_.mesh, view, settings.defocus, settings.lighting);
     const auto see = [&](const glm::vec2& center_px, std::uint64_t pixel, int i,
                          std::uint64_t& fragments) {
       const glm::vec2 random = randomOf(2 * pixel);
@@ -81,7 +81,7 @@ class RaytraceMethod final : public Method {
 
   RenderStats renderDiscs(const View& view, const RenderSettings& settings, Frame& frame) {
     const std::vector<SeenSurfel> surfels =
-        seenSurfels(cloud_, view, settings.defocus.along, settings.shading);
+        seenSurfels(cloud_, view, settings.defocus.along, settings.lighting);
     const DiscScene scene(surfels, settings.defocus);
     // Through a pinhole all rays of a pixel are one.
     const bool pinhole = settings.defocus.radius_px_per_D == glm::vec2(0.0f);
@@ -116,7 +116,7 @@ class RaytraceMethod final : public Method {
         float distance = 0.0f;
         for (int i = 0; i < rays; ++i) {
           const RayColor seen = see(center_px, p, i, fragments[y]);
-          halves[i % 2] += glm::vec4(seen.color + seen.transmittance * settings.background,
+          halves[i % 2] += glm::vec4(seen.color + seen.transmittance * settings.lighting.background,
                                      1.0f - seen.transmittance);
           distance += seen.distance;
         }

@@ -145,12 +145,9 @@ class AutoMethod final : public Method {
     auto sharp = std::make_shared<SharpView>();
     Frame frame;
     frame.resize(asked.view.size_px, true);
-    sharp->stats = scene_.render(asked.view,
-                                 {.defocus = {.along = asked.along},
-                                  .background = asked.background,
-                                  .shading = asked.shading,
-                                  .depth = true},
-                                 {.cut = kFaithfulCut}, frame);
+    sharp->stats = scene_.render(
+        asked.view, {.defocus = {.along = asked.along}, .lighting = asked.lighting, .depth = true},
+        {.cut = kFaithfulCut}, frame);
     readFromGpu(frame);
     sharp->pyramid.set(std::move(frame), asked.view);
     sharp->view = asked;

@@ -51,14 +51,13 @@ class BlurPyramid {
 /// Everything that a sharp image of a scene depends on.
 struct UnblurredView {
   View view;
-  glm::vec3 background{0.0f};
-  float shading = 0.0f;
+  Lighting lighting = {};
   DistanceAlong along = DistanceAlong::sight;
   bool operator==(const UnblurredView&) const = default;
 };
 
 inline UnblurredView unblurred(const View& view, const RenderSettings& settings) {
-  return {view, settings.background, settings.shading, settings.defocus.along};
+  return {view, settings.lighting, settings.defocus.along};
 }
 
 /// A sharp image, ready to be blurred, and the cost of rendering it.

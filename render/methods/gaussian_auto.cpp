@@ -128,7 +128,7 @@ class GaussianAuto final : public GaussianEyeMethod {
   RenderStats renderThrough(const std::vector<LensDisc>& discs, const View& view,
                             const RenderSettings& settings, Frame& frame) {
     RenderStats stats = project(discs, view, settings);
-    stats.add(scene_.render(discs, settings.background, frame));
+    stats.add(scene_.render(discs, settings.lighting.background, frame));
     return stats;
   }
 
@@ -196,7 +196,7 @@ class GaussianAuto final : public GaussianEyeMethod {
             }
             return lens;
           },
-          settings.background, frame, &errors_));
+          settings.lighting.background, frame, &errors_));
     } while (tiles_.refine(errors_));
     stats.tolerance_error = tiles_.error();
     return stats;

@@ -48,7 +48,7 @@ class DiscsMethod final : public Method {
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
     RenderStats stats = scene_.project(view, settings.defocus, discs);
-    stats.add(scene_.render(discs, settings.background, frame));
+    stats.add(scene_.render(discs, settings.lighting.background, frame));
     return stats;
   }
 
@@ -84,9 +84,10 @@ class SubAperturesMethod final : public GaussianEyeMethod {
     if (lod_ && blurred) {
       scene_.divide(true);
       const TileLens lens{.discs = &discs, .pairs = {&itself_, &itself_}};
-      stats.add(scene_.render([&](std::size_t) { return lens; }, settings.background, frame));
+      stats.add(
+          scene_.render([&](std::size_t) { return lens; }, settings.lighting.background, frame));
     } else {
-      stats.add(scene_.render(discs, settings.background, frame));
+      stats.add(scene_.render(discs, settings.lighting.background, frame));
     }
     return stats;
   }
@@ -120,11 +121,11 @@ class AccumulatedPoints final : public GaussianEyeMethod {
                            settings, nullptr, frame);
     }
     RenderStats stats = scene_.project(view, settings.defocus, all_);
-    stats.add(scene_.render(halves_[0], settings.background, frame));
+    stats.add(scene_.render(halves_[0], settings.lighting.background, frame));
     if (halves_[1].empty()) return stats;
     readFromGpu(frame);
     odd_.resize(view.size_px, settings.depth);
-    stats.add(scene_.render(halves_[1], settings.background, odd_));
+    stats.add(scene_.render(halves_[1], settings.lighting.background, odd_));
     readFromGpu(odd_);
     stats.split_half_psnr_dB = psnr_dB(frame, odd_);
     addOdd(frame);

@@ -98,7 +98,7 @@ RenderStats GaussianParts::render(LensGaussians& scene, const std::vector<LensPa
   meanOfParts(parts, 0.0f, part_, frame, [&](const LensPart& part, Frame& to) {
     const std::vector<LensDisc> disc = {{part.centre, share * part.radius}};
     stats.add(scene.project(viewOfPart(view, part), part.defocus, disc, lod));
-    stats.add(scene.render(disc, settings.background, to));
+    stats.add(scene.render(disc, settings.lighting.background, to));
   });
   return stats;
 }

@@ -17,7 +17,7 @@ constexpr int kStrip_px = kTile * kMaxStep_px;
 
 /// The lens is the caller's.
 SweepSettings sweepSettings(const RenderSettings& settings, const LodSettings& lod) {
-  return {.background = settings.background,
+  return {.background = settings.lighting.background,
           .defocus = {},
           .low_pass_px = lod.low_pass_px,
           .depth = settings.depth};
@@ -34,7 +34,7 @@ bool hasParts(const RenderSettings& settings) {
 
 /// Through the whole aperture, and through sub-apertures if there are several.
 Projection projectionFor(int sub_apertures, const RenderSettings& settings) {
-  Projection projection{.shading = settings.shading};
+  Projection projection{.lighting = settings.lighting};
   if (sub_apertures > 1 && isBlurred(settings)) {
     projection.sub_aperture = 1.0f / std::sqrt(static_cast<float>(sub_apertures));
   }
@@ -138,7 +138,7 @@ RenderStats LodSplats::renderPart(const View& view, const RenderSettings& settin
   }
   return renderSplats(
       binnedOf(seen, part.defocus, detail.cut,
-               {.lens = part.centre, .aperture = part.radius, .shading = settings.shading}),
+               {.lens = part.centre, .aperture = part.radius, .lighting = settings.lighting}),
       detail, sweepSettings(of_part, lod), frame);
 }
 

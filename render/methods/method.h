@@ -52,10 +52,7 @@ struct RenderSettings {
   Pupil pupil = {};  ///< what else the pupil does (`MethodInfo::aberrations`)
   /// If there are any, `Method::render` renders each of them by itself.
   std::vector<Colour> colours = {};
-  glm::vec3 background{0.0f};  ///< linear RGB behind everything
-  /// Lambert's shading, 0 to 1: how much of the colour falls off with the cosine of the angle
-  /// between the surfel's normal and the line of sight.
-  float shading = 0.0f;
+  Lighting lighting = {};
   bool depth = false;  ///< fill Frame::depth_m
   Quality quality = {};
   bool operator==(const RenderSettings&) const = default;

@@ -49,6 +49,15 @@ std::string textOf(QualityLevel level);
 /// The level that `method` forces; nothing where it is not the text of a level.
 std::optional<QualityLevel> qualityLevelFrom(std::string_view method);
 
+/// Whether the method chooses a quality level for each frame itself. Its small errors are allowed,
+/// so frames that change too little to see are reused.
+inline bool choosesQuality(std::string_view method) { return method == kAutoMethod; }
+
+/// Whether the method takes notice of `Quality`: `auto`, or `auto:N` with a forced quality level.
+inline bool usesQuality(std::string_view method) {
+  return choosesQuality(method) || qualityLevelFrom(method).has_value();
+}
+
 /// How long each level takes, learnt from the frames that it rendered: to meet a frame-time budget,
 /// the time must be known before the frame is rendered.
 class TimeBudget {

@@ -154,11 +154,11 @@ Frame SpotCheck::render(const Job& job) {
                {.lens = part.centre,
                 .aperture = 0.0f,
                 .acuity = widened(acuity, settings_.pupil),
-                .shading = settings_.shading},
+                .lighting = settings_.lighting},
                buffers->chunks);
     buffers->lists.build(buffers->chunks, square.view.size_px);
     sweep(buffers->chunks, buffers->lists,
-          {.background = settings_.background,
+          {.background = settings_.lighting.background,
            .defocus = part.defocus,
            .principal_px = square.view.principal_px},
           frame);

@@ -7,7 +7,7 @@ namespace foci {
 
 void ViewSplats::project(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
                          Projection projection, const std::optional<CutSettings>& cut) {
-  projection.shading = settings.shading;
+  projection.lighting = settings.lighting;
   size_px_ = view.size_px;
   principal_px_ = view.principal_px;
   defocus_ = settings.defocus;
@@ -88,7 +88,7 @@ void PartSplats::render(const View& view, RenderSettings settings, const LensPar
                   {.lens = part.centre, .aperture = part.radius, .acuity = acuity},
                   pixelCutOf(cloud_, acuity));
   stats.splats += splats_.count();
-  stats.fragments += splats_.render(settings.background, settings.depth, frame);
+  stats.fragments += splats_.render(settings.lighting.background, settings.depth, frame);
 }
 
 GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {
@@ -96,8 +96,7 @@ GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {
           .defocus = settings.defocus,
           .cut = {},
           .acuity = {},
-          .shading = settings.shading,
-          .background = settings.background,
+          .lighting = settings.lighting,
           .depth = settings.depth,
           .sub_aperture_centres = {}};
 }

@@ -25,7 +25,7 @@ std::optional<CutSettings> pixelCutOf(const SurfelCloud& cloud, const Acuity& ac
 class ViewSplats {
  public:
   /// Projects the scene. The blur is that of `settings.defocus`; `projection` says how the blur
-  /// enters a splat. `settings.shading` replaces the projection's.
+  /// enters a splat. `settings.lighting` replaces the projection's.
   /// @param cut  of the scene's tree, e.g. `pixelCutOf`; absent: every surfel
   void project(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
                Projection projection, const std::optional<CutSettings>& cut = std::nullopt);

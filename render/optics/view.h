@@ -17,6 +17,18 @@ struct View {
   bool operator==(const View&) const = default;
 };
 
+/// How a view of a scene is lit.
+struct Lighting {
+  glm::vec3 background{0.0f};  ///< linear RGB behind everything
+  /// Lambert's shading, 0 to 1: how much of the colour falls off with the cosine of the angle
+  /// between the surfel's normal and the line of sight.
+  float shading = 0.0f;
+  bool operator==(const Lighting&) const = default;
+
+  /// Share of the colour that is seen. @param cosine  0 to 1
+  float shade(float cosine) const { return 1.0f + shading * (cosine - 1.0f); }
+};
+
 /// Rigid transform of an eye at `position_m` that looks at `target_m`, `up` roughly upwards.
 /// The three must not be collinear (asserted).
 glm::mat4 eyeFromWorld(const glm::vec3& position_m, const glm::vec3& target_m, const glm::vec3& up);

@@ -28,9 +28,7 @@ struct Projection {
   float sub_aperture = 0.0f;
   Acuity acuity = {};  ///< width of the prefilter
   int margin_px = 0;   ///< keeps splats that reach the image or this margin about it
-  /// Share of the colour, 0 to 1, that falls off with the cosine of the normal to the line of
-  /// sight.
-  float shading = 0.0f;
+  Lighting lighting = {};
   bool operator==(const Projection&) const = default;
 };
 

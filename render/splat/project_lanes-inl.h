@@ -42,7 +42,7 @@ struct ProjectJob {
   float sub_aperture;  // `Projection::sub_aperture`
   Acuity acuity;
   bool along_axis, gaussian, oriented;
-  float shading;
+  Lighting lighting;
   const KernelShape* shapes;    // `kernelShapes()`
   const std::uint8_t* outside;  // `bodiesFromOutside`; null: there are no bodies
   float lens_m;                 // `lensRadius_m`
@@ -368,7 +368,7 @@ HWY_INLINE void storeSlant(const ProjectJob& job, const Centres& c, const Footpr
   const V tilt = hn::Sqrt(hn::MulAdd(tilt_x, tilt_x, hn::Mul(tilt_y, tilt_y)));
   const V more = hn::Max(hn::Sub(tilt, set(kMinTilt)), hn::Zero(d));
   const V counts = hn::Div(more, hn::Max(tilt, set(kMinTilt)));
-  const V shade = hn::MulAdd(set(job.shading), hn::Sub(hn::Abs(away), one), one);
+  const V shade = hn::MulAdd(set(job.lighting.shading), hn::Sub(hn::Abs(away), one), one);
   hn::Store(hn::Mul(counts, tilt_x), d, out.tilt_x);
   hn::Store(hn::Mul(counts, tilt_y), d, out.tilt_y);
   hn::Store(shade, d, out.shade);

@@ -110,7 +110,7 @@ void renderOnCpu(const MomentTree& tree, const GpuRequest& request, Frame& frame
                                    .lens_px = nullptr,
                                    .centres = request.sub_aperture_centres};
   sweep(chunks, lists,
-        {.background = request.background,
+        {.background = request.lighting.background,
          .defocus = request.defocus,
          .sub_apertures = &sub_apertures},
         frame);

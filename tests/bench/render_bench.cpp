@@ -58,7 +58,7 @@ class FrameOf {
     const glm::ivec2 size_px(of.width_px, of.width_px * 9 / 16);
     view_ = viewThroughScreen(eyeFromWorld(pose.position_m, pose.target_m, pose.up), size_px,
                               kScreen_m, kDistance_m);
-    settings_.background = {0.012f, 0.013f, 0.016f};
+    settings_.lighting.background = {0.012f, 0.013f, 0.016f};
     settings_.defocus = {.radius_px_per_D = 0.5e-3f * of.pupil_mm * view_.focal_px,
                          .focus_D = 1.0f / of.focus_m};
     view_.principal_px.x -= 1e-3f;

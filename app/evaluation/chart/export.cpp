@@ -125,7 +125,7 @@ class SceneExport {
     const RenderStats stats =
         makeMethod(method, seen_.scene)->render(seen_.view, settings, reference);
     const Defocus& lens = settings.defocus;
-    const glm::vec3& background = settings.background;
+    const glm::vec3& background = settings.lighting.background;
     const double focal_m = kSensorWidth_m * double{seen_.view.focal_px.x} / seen_.view.size_px.x;
     const Json json = {{"case", caseName(scene_, blur_px)},
                        {"key", plan_.key(scene_, blur_px)},

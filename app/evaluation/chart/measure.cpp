@@ -13,9 +13,9 @@
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
-#include "app/session/auto_method.h"
 #include "base/parallel.h"
 #include "render/lod/moment_tree.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 namespace {

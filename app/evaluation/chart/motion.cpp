@@ -15,13 +15,13 @@
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
 #include "app/record/tables.h"
-#include "app/session/auto_method.h"
 #include "app/session/observer_eye.h"
 #include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/lod/moment_tree.h"
 #include "render/methods/method.h"
+#include "render/methods/quality_level.h"
 
 namespace foci {
 namespace {

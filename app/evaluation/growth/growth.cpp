@@ -15,11 +15,11 @@
 #include "app/evaluation/scene_in_view.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/platform/machine.h"
-#include "app/session/auto_method.h"
 #include "base/input_error.h"
 #include "base/rows.h"
 #include "base/text.h"
 #include "render/lod/moment_tree.h"
+#include "render/methods/quality_level.h"
 #include "render/scene/gaussian_tree.h"
 #include "render/scene/joined_scene.h"
 

@@ -122,7 +122,7 @@ class Rays {
       light += transmittance * sheet.opacity * glm::vec4(sheet.color(hits[i].at_m), 1.0f);
       transmittance *= 1.0f - sheet.opacity;
     }
-    return light + glm::vec4(transmittance * settings_.background, 0.0f);
+    return light + glm::vec4(transmittance * settings_.lighting.background, 0.0f);
   }
 
   const View& view_;

@@ -31,7 +31,7 @@ struct PaperProjectJob {
   const View& view;
   const Defocus& defocus;
   float blur_y_per_x;
-  float shading;
+  const Lighting& lighting;
   float rim_per_area;  // height at the rim of a truncated Gaussian of area 1 and determinant 1
 };
 
@@ -263,7 +263,7 @@ HWY_INLINE void projectLanes(const PaperProjectJob& job, std::size_t i, Lanes& o
   // Lambert's cosine between the normal and the line of sight.
   const V cosine = hn::Div(hn::Abs(dot(surfel.normal, surfel.p)),
                            hn::Mul(surfel.parallelogram, hn::Sqrt(dot(surfel.p, surfel.p))));
-  const V shade = hn::MulAdd(set(job.shading), hn::Sub(cosine, one), one);
+  const V shade = hn::MulAdd(set(job.lighting.shading), hn::Sub(cosine, one), one);
 
   M keep = hn::And(touchesImage(job, x_px, y_px, w, det, area_px), hn::Le(near_m, far_m));
   keep = hn::AndNot(hn::Lt(surfel.depth, set(job.view.near_m)), keep);
@@ -368,7 +368,7 @@ namespace foci {
 HWY_EXPORT(projectPaperSurfels);
 
 std::uint32_t projectPaper(const PaperSurfels& surfels, const View& view, const Defocus& defocus,
-                           float shading, PaperSplat* splats, PaperSplatTiles* tiles) {
+                           const Lighting& lighting, PaperSplat* splats, PaperSplatTiles* tiles) {
   const glm::vec2 blur = defocus.radius_px_per_D;
   const float rim = std::exp(-kPaperCutoff);
   return HWY_DYNAMIC_DISPATCH(projectPaperSurfels)(
@@ -376,7 +376,7 @@ std::uint32_t projectPaper(const PaperSurfels& surfels, const View& view, const 
        .view = view,
        .defocus = defocus,
        .blur_y_per_x = blur.x > 0.0f && blur.y > 0.0f ? blur.y / blur.x : 1.0f,
-       .shading = shading,
+       .lighting = lighting,
        .rim_per_area = rim / (2.0f * std::numbers::pi_v<float> * (1.0f - rim))},
       splats, tiles);
 }

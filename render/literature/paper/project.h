@@ -44,6 +44,6 @@ struct PaperSurfels {
 /// @param splats, tiles  room for `surfels.count`
 /// @return the number of splats, which come in the order of the surfels
 std::uint32_t projectPaper(const PaperSurfels& surfels, const View& view, const Defocus& defocus,
-                           float shading, PaperSplat* splats, PaperSplatTiles* tiles);
+                           const Lighting& lighting, PaperSplat* splats, PaperSplatTiles* tiles);
 
 }  // namespace foci

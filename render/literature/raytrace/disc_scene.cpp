@@ -54,7 +54,7 @@ void gather(const RTCFilterFunctionNArguments* arguments) {
 }
 
 SeenSurfel seen(const SurfelCloud& cloud, std::size_t i, const View& view,
-                const glm::mat3& rotation, DistanceAlong along, float shading) {
+                const glm::mat3& rotation, DistanceAlong along, const Lighting& lighting) {
   const glm::vec3 p(view.eye_from_world * glm::vec4(cloud.position_m[i], 1.0f));
   const glm::vec3 u = rotation * cloud.axis_u_m[i], v = rotation * cloud.axis_v_m[i];
   const float depth_m = -p.z;
@@ -69,7 +69,7 @@ SeenSurfel seen(const SurfelCloud& cloud, std::size_t i, const View& view,
   const float reach_m = std::sqrt(kReach2 * (u_m * u_m + v_m * v_m) + std::max(uu, vv));
   const float away = glm::dot(glm::cross(u, v), p) / (parallelogram * glm::length(p));
   const float opacity = opacityOf(cloud, i);
-  const float shade = 1.0f + shading * (std::abs(away) - 1.0f);
+  const float shade = lighting.shade(std::abs(away));
   return {.center_px = project(view, p),
           .u_px = px_per_m * (glm::vec2(u) + u.z * tangent),
           .v_px = px_per_m * (glm::vec2(v) + v.z * tangent),
@@ -143,14 +143,14 @@ glm::vec4 DiscScene::discOf(const SeenSurfel& surfel) const {
 }
 
 std::vector<SeenSurfel> seenSurfels(const SurfelCloud& cloud, const View& view, DistanceAlong along,
-                                    float shading) {
+                                    const Lighting& lighting) {
   const glm::mat3 rotation(view.eye_from_world);
   std::vector<SeenSurfel> all(cloud.size());
   std::vector<std::uint8_t> kept(cloud.size());
   parallelFor(cloud.size(), [&](std::size_t i) {
     const glm::vec3 p(view.eye_from_world * glm::vec4(cloud.position_m[i], 1.0f));
     if (!(-p.z >= view.near_m)) return;
-    all[i] = seen(cloud, i, view, rotation, along, shading);
+    all[i] = seen(cloud, i, view, rotation, along, lighting);
     kept[i] = allFinite(all[i]);
   });
   keepMarked(all, kept);

@@ -29,9 +29,8 @@ struct SeenSurfel {
 
 /// The surfels in front of the eye whose values are finite, from the nearest to the farthest.
 /// Surfels of equal distance keep their order.
-/// @param shading  as in `RenderSettings`
 std::vector<SeenSurfel> seenSurfels(const SurfelCloud& cloud, const View& view, DistanceAlong along,
-                                    float shading);
+                                    const Lighting& lighting);
 
 struct Hit {
   std::uint32_t surfel;

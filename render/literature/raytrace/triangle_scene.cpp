@@ -46,8 +46,8 @@ struct TriangleScene::Line {
 };
 
 TriangleScene::TriangleScene(const TriangleMesh& mesh, const View& view, const Defocus& defocus,
-                             float shading)
-    : mesh_(mesh), view_(view), defocus_(defocus), shading_(shading) {
+                             const Lighting& lighting)
+    : mesh_(mesh), view_(view), defocus_(defocus), lighting_(lighting) {
   const float steepest = std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
   px_per_D_ = steepest > 0.0f && std::isfinite(steepest) ? steepest : 1.0f;
   std::array<glm::vec3, 4> inside;
@@ -162,7 +162,7 @@ RayColor TriangleScene::trace(const glm::vec2& point_px, const glm::vec2& lens,
     if (line.vergence_D < 0.0) break;
     ++fragments;
     const MeshColor color = colorAt(mesh_, line.place, 0.0f);
-    const float shade = 1.0f + shading_ * (static_cast<float>(line.cosine) - 1.0f);
+    const float shade = lighting_.shade(static_cast<float>(line.cosine));
     const float share = seen.transmittance * color.opacity;
     seen.color += share * shade * color.color;
     seen.distance += share / static_cast<float>(line.vergence_D);

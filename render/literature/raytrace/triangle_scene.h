@@ -23,10 +23,10 @@ namespace foci {
 /// d1) settle in a few steps, since |d(v)| hardly varies along the line.
 class TriangleScene {
  public:
-  /// @param mesh     must outlive the scene
-  /// @param shading  as in `RenderSettings`
+  /// @param mesh  must outlive the scene
   /// Throws std::runtime_error where Embree fails.
-  TriangleScene(const TriangleMesh& mesh, const View& view, const Defocus& defocus, float shading);
+  TriangleScene(const TriangleMesh& mesh, const View& view, const Defocus& defocus,
+                const Lighting& lighting);
 
   /// What a point of the image sees through a point of the lens (in lens radii).
   /// @param fragments  grows by the number of surfaces met
@@ -47,7 +47,7 @@ class TriangleScene {
   const TriangleMesh& mesh_;
   View view_;
   Defocus defocus_;
-  float shading_;
+  Lighting lighting_;
   float px_per_D_ = 1.0f;   ///< scale of v
   float nearest_D_ = 0.0f;  ///< largest vergence
   std::vector<Seen> seen_;

@@ -222,7 +222,7 @@ TEST(PlanChart, HoldsAMeshAgainstItsTrianglesAndOtherScenesAgainstTheirSurfels) 
     if (!ball) continue;  // slow to make
     const SceneInView seen = scene.make();
     EXPECT_NE(seen.scene.surfels()->mesh, nullptr);
-    EXPECT_GT(seen.settings.background.g, 0.5f);
+    EXPECT_GT(seen.settings.lighting.background.g, 0.5f);
   }
 }
 

@@ -201,7 +201,7 @@ TEST(Fidelity, CoverageIsOneMinusWhatWhiteAddsToBlack) {
   const View view = viewFromOutside(boundingSphereOf(mesh), {0, 0, 1}, {0.9f, 0, 0});
   EXPECT_EQ(view.size_px, glm::ivec2(kFidelity_px));
   RenderSettings before_white;
-  before_white.background = glm::vec3(1.0f);
+  before_white.lighting.background = glm::vec3(1.0f);
   Frame black, white;
   method->render(view, {}, black);
   method->render(view, before_white, white);

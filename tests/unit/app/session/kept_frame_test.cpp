@@ -30,7 +30,7 @@ class KeptFrame : public ::testing::Test {
                       .focal_px = glm::vec2(15.0f),
                       .principal_px = glm::vec2(8.0f, 6.0f)};
     RenderSettings settings = lens(6.0f, 1.0f);
-    settings.background = glm::vec3(0.1f, 0.2f, 0.5f);
+    settings.lighting.background = glm::vec3(0.1f, 0.2f, 0.5f);
     if (chromatic) {
       settings.colours = {{-0.1f, {1, 0, 0}}, {0.0f, {0, 1, 0}}, {0.4f, {0, 0, 1}}};
     }

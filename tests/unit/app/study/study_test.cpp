@@ -51,7 +51,7 @@ TEST_F(StudyFile, SetsWhatItNames) {
       "[focus]\naccommodation = false\n[output]\nsize_px = [64, 32]\nseconds = [1, 2.5]\n");
   EXPECT_EQ(read.seed, 5);
   EXPECT_EQ(read.scene.builtin, "plane");
-  EXPECT_EQ(read.scene.background, glm::dvec3(0, 0.5, 1));
+  EXPECT_EQ(read.lighting.background, glm::vec3(0, 0.5, 1));
   EXPECT_FALSE(read.screen.is_default);
   EXPECT_EQ(read.screenInForce().distance_m, 2.0);
   EXPECT_EQ(read.gaze.columns.x, "x_deg");

@@ -177,7 +177,7 @@ TEST(GaussianView, CompositesInDisplayValues) {
   addGaussian(cloud, {0.0f, 0.0f, -1.0f}, {50.0f, 50.0f, 1e-3f}, 0.5f, {1.0f, 0.0f, 0.0f});
   addGaussian(cloud, {0.0f, 0.0f, -2.0f}, {50.0f, 50.0f, 1e-3f}, 0.5f, {0.0f, 0.0f, 1.0f});
   RenderSettings settings;
-  settings.background = {0.0f, linearFromSrgb(0.8f), 0.0f};
+  settings.lighting.background = {0.0f, linearFromSrgb(0.8f), 0.0f};
   const Frame frame = render("pinhole", cloud, squareView(8, 20.0f), settings);
   const glm::vec4 pixel = frame.at(4, 4);
   constexpr float kSlack = 1e-3f;  // of the polynomials, and of the Gaussians' slopes

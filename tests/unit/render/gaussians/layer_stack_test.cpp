@@ -138,7 +138,7 @@ class Layered {
           if (layered) lens.pairs.fill(&pairs_);
           return lens;
         },
-        settings_.background, frame, &errors);
+        settings_.lighting.background, frame, &errors);
     return frame;
   }
   const std::vector<TileLayers>& layers() const { return layers_; }
@@ -164,7 +164,7 @@ TEST(LayerStack, TellsTheErrorOfOneDisc) {
     frame.resize(kView.size_px, false);
     std::vector<SampledErrors> told;
     view.render([&](std::size_t) { return TileLens{.discs = &one, .judges = &three}; },
-                settings.background, frame, &told);
+                settings.lighting.background, frame, &told);
     double told2 = 0.0, samples = 0.0;
     for (const SampledErrors& tile : told) {
       for (std::size_t i = 0; i < tile.count; ++i) {

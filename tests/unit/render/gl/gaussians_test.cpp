@@ -118,7 +118,7 @@ TEST_F(GpuGaussianPicture, IsTheSameThroughEveryLens) {
     cloud.preserves_light = preserves_light;
     const GaussianCloud scene = cloud;
     RenderSettings settings = lens(12.0f, 0.8f);
-    settings.background = glm::vec3(0.1f, 0.2f, 0.5f);
+    settings.lighting.background = glm::vec3(0.1f, 0.2f, 0.5f);
     settings.depth = true;
     settings.defocus.astigmatism_D = {0.3f, -0.2f};
     for (const DistanceAlong along : {DistanceAlong::axis, DistanceAlong::sight}) {
@@ -259,7 +259,7 @@ TEST_F(GpuGaussianPicture, OfAnEmptySceneIsTheBackground) {
   FOCI_NEEDS_GPU(gpu);
   const GaussianCloud nothing;
   RenderSettings settings = lens(12.0f, 0.5f);
-  settings.background = glm::vec3(0.25f, 0.5f, 0.75f);
+  settings.lighting.background = glm::vec3(0.25f, 0.5f, 0.75f);
   Frame frame;
   makeMethod("sweep:7", nothing, gpu)->render(view, settings, frame);
   for (const glm::vec4& pixel : frame.rgba) {

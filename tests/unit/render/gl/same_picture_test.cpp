@@ -61,7 +61,7 @@ TEST_F(GpuPicture, IsTheSameByEveryMethodThatHasIt) {
     const std::string spec = std::string(method.name) + (method.name == "accumulate" ? ":4" : "");
     for (const float focus_D : {1.0f, 0.5f}) {
       RenderSettings settings = lens(12.0f, focus_D);
-      settings.background = glm::vec3(0.1f, 0.2f, 0.5f);
+      settings.lighting.background = glm::vec3(0.1f, 0.2f, 0.5f);
       settings.depth = true;
       expectSamePicture(spec, cloud, view, settings, gpu);
     }
@@ -93,7 +93,7 @@ TEST_F(GpuPicture, IsTheSameThroughGlassAndThroughAnAstigmaticEye) {
     const SurfelCloud cloud = twoSheets(opacity);
     RenderSettings settings = lens(12.0f, 0.5f);
     settings.depth = true;
-    settings.shading = 0.5f;
+    settings.lighting.shading = 0.5f;
     expectSamePicture("sweep-lod:7", cloud, view, settings, gpu);
     settings.defocus.astigmatism_D = {0.3f, -0.2f};
     expectSamePicture("sweep-lod:7", cloud, view, settings, gpu);
@@ -106,7 +106,7 @@ TEST_F(GpuPicture, IsTheSameWhereEachDirectionHasItsOwnLens) {
   const SurfelCloud cloud = twoSheets();
   RenderSettings settings = besideTheGaze(view, 0.5f);
   settings.depth = true;
-  settings.shading = 0.5f;
+  settings.lighting.shading = 0.5f;
   for (const char* method : {"sweep:7", "sweep-lod:7", "accumulate:4"}) {
     expectSamePicture(method, cloud, view, settings, gpu);
   }
@@ -138,7 +138,7 @@ TEST_F(GpuPicture, OfAnEmptySceneIsTheBackground) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud nothing;
   RenderSettings settings = lens(12.0f, 0.5f);
-  settings.background = glm::vec3(0.25f, 0.5f, 0.75f);
+  settings.lighting.background = glm::vec3(0.25f, 0.5f, 0.75f);
   for (const char* method : {"sweep", "sweep-lod", "auto"}) {
     Frame frame;
     makeMethod(method, nothing, gpu)->render(view, settings, frame);

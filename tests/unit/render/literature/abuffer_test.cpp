@@ -199,7 +199,7 @@ TEST(ABuffer, AgreesWithTheDefinitionAtEachPixel) {
                                          .color = cloud.color.data(),
                                          .opacity = transparent ? cloud.opacity.data() : nullptr,
                                          .area_m2 = cloud.area_m2.data()},
-                                        view, blurredBy(blur_px_per_D, 0.7f).defocus, 0.0f,
+                                        view, blurredBy(blur_px_per_D, 0.7f).defocus, {},
                                         splats.splats.get(), splats.tiles.get())}};
       std::uint64_t fragments = 0, expected_fragments = 0;
       const Frame frame = rendered(splats, view.size_px, background, transparent, &fragments);

@@ -233,7 +233,7 @@ TEST_P(PaperMethods, BackgroundShowsWhereNothingCoversIt) {
   SurfelCloud cloud;
   addSheetOf(cloud, {.opacity = 0.3f});
   RenderSettings settings;
-  settings.background = {0.0f, 0.0f, 2.0f};
+  settings.lighting.background = {0.0f, 0.0f, 2.0f};
   const Frame frame = render(cloud, squareViewOf(64, 600.0f), settings);
   EXPECT_NEAR(frame.at(32, 32).r, 0.3f, 0.015f);
   EXPECT_NEAR(frame.at(32, 32).b, 0.3f + 0.7f * 2.0f, 0.03f);
@@ -245,14 +245,14 @@ TEST_P(PaperMethods, ShadingFallsOffWithTheCosine) {
                glm::vec3(1.0f));
   RenderSettings settings;
   const double plain = frameMoments(render(cloud, squareViewOf(64, 300.0f), settings)).mass;
-  settings.shading = 1.0f;
+  settings.lighting.shading = 1.0f;
   const double shaded = frameMoments(render(cloud, squareViewOf(64, 300.0f), settings)).mass;
   EXPECT_NEAR(shaded / plain, std::sqrt(0.5), 1e-3);
 }
 
 TEST_P(PaperMethods, EmptySceneIsBackground) {
   RenderSettings settings;
-  settings.background = {0.1f, 0.2f, 0.3f};
+  settings.lighting.background = {0.1f, 0.2f, 0.3f};
   settings.depth = true;
   RenderStats stats;
   const Frame frame = render(SurfelCloud{}, squareViewOf(33, 100.0f), settings, &stats);

@@ -56,7 +56,7 @@ double discShare(double x) {
 TEST(RaytraceMesh, BlursAnEdgeAsADiscAndThePixelFilterDo) {
   for (const DistanceAlong along : {DistanceAlong::axis, DistanceAlong::sight}) {
     RenderSettings settings;
-    settings.background = glm::vec3(1.0f);
+    settings.lighting.background = glm::vec3(1.0f);
     settings.defocus = {.radius_px_per_D = glm::vec2(24.0f), .focus_D = 0.25f, .along = along};
     const float radius_px = 24.0f * (1.0f / kDistance_m - 0.25f);  // 6 px
     const Frame frame = render(sceneOf(halfPlane(kDistance_m, glm::vec3(0.0f))), settings);
@@ -108,7 +108,7 @@ TEST(RaytraceMesh, ClipsTrianglesThatReachBehindTheEye) {
 
 TEST(RaytraceMesh, ShowsAnEmptySceneAsBackground) {
   RenderSettings settings;
-  settings.background = glm::vec3(0.5f);
+  settings.lighting.background = glm::vec3(0.5f);
   const Frame frame = render(sceneOf({}), settings, 2);
   for (const glm::vec4& pixel : frame.rgba) EXPECT_EQ(pixel, glm::vec4(0.5f, 0.5f, 0.5f, 0.0f));
 }

@@ -36,7 +36,7 @@ RenderSettings lens(float radius_px_per_D, float focus_D,
   return {.defocus = {.radius_px_per_D = glm::vec2(radius_px_per_D),
                       .focus_D = focus_D,
                       .along = along},
-          .background = {0.1f, 0.2f, 0.3f}};
+          .lighting = {.background = {0.1f, 0.2f, 0.3f}}};
 }
 
 /// A chequered square of n x n surfels around `center`. The two directions are half as long as its
@@ -133,7 +133,7 @@ TEST(Raytrace, AgreesWithTheSweepThroughAPinhole) {
     cloud.oriented = oriented;
     RenderSettings settings = lens(0.0f, 1.0f);
     settings.depth = true;
-    settings.shading = 0.5f;
+    settings.lighting.shading = 0.5f;
     const View view = squareView(120, 120.0f);
     const Rendered swept = render("sweep", cloud, view, settings);
     const Rendered traced = render("raytrace:4", cloud, view, settings);

@@ -51,7 +51,7 @@ View viewFrom(const glm::vec3& eye_m, const glm::vec3& target_m) {
 Frame render(const SurfelCloud& cloud, const char* method, const View& view, float blur_px_per_D) {
   RenderSettings settings;
   settings.defocus = {.radius_px_per_D = glm::vec2(blur_px_per_D), .focus_D = 1.4f};
-  settings.background = {0.9f, 0.9f, 0.9f};
+  settings.lighting.background = {0.9f, 0.9f, 0.9f};
   Frame frame;
   makeMethod(method, cloud)->render(view, settings, frame);
   return frame;

@@ -379,7 +379,7 @@ TEST(SweepLod, ABallsBlurredOutlineIsSmooth) {
   const SurfelCloud cloud = ball(60'000, 0.25f, {0, 0, -1.0f});
   const View view = squareViewOf(96, 171.0f);
   RenderSettings settings = blurredBy(9.3f, 1.0f / 0.75f);  // 3 px at the outline
-  settings.background = glm::vec3(0.8f);
+  settings.lighting.background = glm::vec3(0.8f);
   const Frame reference = renderedBy("accumulate:200", cloud, view, settings);
   for (const char* method : {"sweep", "sweep-lod:1", "sweep-lod:7"}) {
     const Frame frame = renderedBy(method, cloud, view, settings);

@@ -134,7 +134,7 @@ std::size_t expectNoLeaks(const Shape& shape, const std::vector<const char*>& me
     const View view = viewFrom(elevation, 0.5f + elevation);
     for (const float blur_px : blurs_px) {
       RenderSettings settings;
-      settings.background = glm::vec3(1.0f);
+      settings.lighting.background = glm::vec3(1.0f);
       settings.defocus.radius_px_per_D = glm::vec2(5.0f * blur_px);  // focus at infinity
       Frame expected, frame;
       truth->render(view, settings, expected);
@@ -234,7 +234,7 @@ TEST(ClosedSurfaces, ABoardOfAFewPixelsKeepsItsLight) {
     SurfelCloud cloud = surfelsFromPoints(sampleMesh(*mesh, "board", {.points = kPoints}));
     cloud.mesh = mesh;
     RenderSettings settings;
-    settings.background = glm::vec3(1.0f);
+    settings.lighting.background = glm::vec3(1.0f);
     settings.defocus.radius_px_per_D = glm::vec2(5.0f * 18.0f);  // focus at infinity
     Frame truth, frame;
     makeMethod("raytrace:64", cloud)->render(viewFrom(0.0f, 0.1f), settings, truth);

@@ -72,14 +72,14 @@ TEST_P(EveryMethod, SameBytesAtAnyNumberOfThreads) {
 
 TEST_P(EveryMethod, EmptySceneIsBackground) {
   RenderSettings settings = lens(6.0f, 1.0f);
-  settings.background = {0.1f, 0.2f, 0.3f};
+  settings.lighting.background = {0.1f, 0.2f, 0.3f};
   settings.depth = true;
   const SurfelCloud cloud;
   const Frame frame = render(GetParam(), cloud, squareView(33, 100.0f), settings);
   ASSERT_EQ(frame.rgba.size(), 33u * 33u);
   for (std::size_t i = 0; i < frame.rgba.size(); ++i) {
     for (int channel = 0; channel < 3; ++channel) {
-      ASSERT_NEAR(frame.rgba[i][channel], settings.background[channel], 1e-4f);
+      ASSERT_NEAR(frame.rgba[i][channel], settings.lighting.background[channel], 1e-4f);
     }
     ASSERT_EQ(frame.rgba[i].a, 0.0f);
     ASSERT_EQ(frame.depth_m[i], 0.0f);

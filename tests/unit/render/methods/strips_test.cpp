@@ -34,7 +34,7 @@ class Strips : public ::testing::Test {
   /// Blur, sub-apertures, depth, and detail that falls off from the gaze.
   static RenderSettings seenByAnEye() {
     RenderSettings settings = blurredBy(12.0f, 0.5f);
-    settings.background = {0.1f, 0.2f, 0.5f};
+    settings.lighting.background = {0.1f, 0.2f, 0.5f};
     settings.depth = true;
     return settings;
   }

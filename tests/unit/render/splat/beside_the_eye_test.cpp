@@ -64,7 +64,7 @@ float largestDifference(const Frame& frame, float height_m) {
 
 RenderSettings underTheSky() {
   RenderSettings settings;
-  settings.background = kSky;
+  settings.lighting.background = kSky;
   return settings;
 }
 

@@ -256,7 +256,7 @@ TEST(Sweep, BackgroundShowsWhereNothingCoversIt) {
   SurfelCloud cloud;
   addSquareSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f), 0.3f);
   RenderSettings settings = sharp();
-  settings.background = {0.0f, 0.0f, 2.0f};
+  settings.lighting.background = {0.0f, 0.0f, 2.0f};
   const Frame frame = render(cloud, squareView(64, 600.0f), settings);
   EXPECT_NEAR(frame.at(32, 32).r, 0.3f, 0.01f);
   EXPECT_NEAR(frame.at(32, 32).b, 0.3f + 0.7f * 2.0f, 0.02f);
@@ -316,7 +316,7 @@ TEST(Sweep, SheetsWhoseOutlinesMeetShowNothingBetween) {
                            .color = glm::vec3(0.0f)});
       }
       RenderSettings settings = sharp();
-      settings.background = glm::vec3(1.0f);
+      settings.lighting.background = glm::vec3(1.0f);
       const Frame frame = render(cloud, squareView(64, 600.0f), settings);
       for (int y = 16; y < 48; ++y) {
         for (int x = 16; x < 48; ++x) {
@@ -340,7 +340,7 @@ TEST(Sweep, DepthIsTheDistanceAlongTheSight) {
 
 TEST(Sweep, EmptySceneIsBackground) {
   RenderSettings settings = sharp();
-  settings.background = {0.1f, 0.2f, 0.3f};
+  settings.lighting.background = {0.1f, 0.2f, 0.3f};
   settings.depth = true;
   RenderStats stats;
   const Frame frame = render(SurfelCloud{}, squareView(33, 100.0f), settings, &stats);
@@ -452,7 +452,7 @@ TEST(Sweep, ShadingFallsOffWithTheCosine) {
                glm::vec3(1.0f));
   RenderSettings settings = sharp();
   const double plain = momentsOfRed(render(cloud, squareView(64, 300.0f), settings)).mass;
-  settings.shading = 1.0f;
+  settings.lighting.shading = 1.0f;
   const double shaded = momentsOfRed(render(cloud, squareView(64, 300.0f), settings)).mass;
   EXPECT_NEAR(shaded / plain, std::sqrt(0.5), 1e-3);
 }
