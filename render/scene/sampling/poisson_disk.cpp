@@ -166,22 +166,30 @@ class Thrower {
       };
       auto low = std::upper_bound(sums_m2_.begin(), sums_m2_.end(), upTo_m2(first, 0.0));
       Corners corners;
+      Met met = {kNone, kNone, kNone};
+      std::array<Dart, kRounds> darts;  // of a share
       for (std::size_t k = first; k < end; ++k) {
+        const auto numberOf = [&](std::uint64_t round) { return 2 * (round * count + k); };
         const double from_m2 = upTo_m2(k, 0.0);
         while (low != sums_m2_.end() && *low <= from_m2) ++low;
-        Met met = {kNone, kNone};
+        // All are thrown before the first is tested: they do not wait for mispredicted tests.
+        std::size_t thrown = 0;
         for (std::size_t round = from; round < to; ++round) {
-          const std::uint64_t number = 2 * (std::uint64_t{round} * count + k);
-          const auto jitter = static_cast<std::int64_t>(randomBits(number - 1) >> 11);
+          const auto jitter = static_cast<std::int64_t>(randomBits(numberOf(round) - 1) >> 11);
           const double at_m2 = upTo_m2(k, static_cast<double>(jitter) * 0x1p-53);
           auto triangle = low;
           while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
           if (triangle == sums_m2_.end()) continue;  // by rounding
           const auto t = static_cast<std::uint32_t>(triangle - sums_m2_.begin());
           if (t != corners.triangle) corners = cornersOf(t);
-          Dart dart = dartAt(corners, at_m2);
+          darts[thrown] = dartAt(corners, at_m2);
+          darts[thrown++].order = round;
+        }
+        for (std::size_t i = 0; i < thrown; ++i) {
+          Dart& dart = darts[i];
           if (meets(dart, accepted, met)) continue;
-          dart.order = std::uint64_t{round} << kRoundBit | randomBits(number) >> (64 - kRoundBit);
+          const std::uint64_t at_random = randomBits(numberOf(dart.order)) >> (64 - kRoundBit);
+          dart.order = dart.order << kRoundBit | at_random;
           blocks[b].push_back(dart);
         }
       }
@@ -192,9 +200,9 @@ class Thrower {
   }
 
  private:
-  /// The accepted darts that a share's last ones met. A share is small, so its next dart mostly
-  /// meets one of them, too.
-  using Met = std::array<std::uint32_t, 2>;
+  /// The accepted darts that the last ones met. Shares are small, and consecutive ones near each
+  /// other, so the next dart mostly meets one of them, too.
+  using Met = std::array<std::uint32_t, 3>;
 
   struct Corners {
     std::uint32_t triangle = kNone;
@@ -208,7 +216,7 @@ class Thrower {
       if (i != kNone && accepted.isNear(dart, i)) return true;
     }
     return accepted.anyNear(dart, [&](std::uint32_t i) {
-      met = {i, met[0]};
+      met = {i, met[0], met[1]};
       return true;
     });
   }
