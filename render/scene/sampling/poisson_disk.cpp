@@ -59,7 +59,9 @@ glm::dvec2 weightsAt(double share) {
   const auto code = static_cast<std::uint64_t>(std::clamp(share, 0.0, 1.0 - 0x1p-52) * kSteps);
   const glm::dvec2 weights =
       (glm::dvec2(everySecondBit(code), everySecondBit(code >> 1)) + 0.5) * 0x1p-26;
-  return weights.x + weights.y > 1.0 ? 1.0 - weights : weights;
+  // Half of all points are turned into the triangle; a branch would be mispredicted.
+  const double turned = weights.x + weights.y > 1.0 ? 1.0 : 0.0;
+  return {std::abs(turned - weights.x), std::abs(turned - weights.y)};
 }
 
 struct Dart {
@@ -121,7 +123,10 @@ class Grid {
   };
 
   glm::dvec3 placeOf(const Dart& dart) const { return dart.p_m * (0.5 / distance_m_); }
-  static Cell cellOf(const glm::dvec3& place) { return Cell(glm::floor(place)); }
+  static Cell cellOf(const glm::dvec3& place) {  // glm::floor is slow without SSE4.1
+    const Cell towards_zero(place);
+    return towards_zero - Cell(glm::lessThan(place, glm::dvec3(towards_zero)));
+  }
 
   static constexpr std::size_t kPage = 64;  // lists
 
@@ -161,22 +166,30 @@ class Thrower {
       };
       auto low = std::upper_bound(sums_m2_.begin(), sums_m2_.end(), upTo_m2(first, 0.0));
       Corners corners;
+      Met met = {kNone, kNone, kNone};
+      std::array<Dart, kRounds> darts;  // of a share
       for (std::size_t k = first; k < end; ++k) {
+        const auto numberOf = [&](std::uint64_t round) { return 2 * (round * count + k); };
         const double from_m2 = upTo_m2(k, 0.0);
         while (low != sums_m2_.end() && *low <= from_m2) ++low;
-        Met met = {kNone, kNone};
+        // All are thrown before the first is tested: they do not wait for mispredicted tests.
+        std::size_t thrown = 0;
         for (std::size_t round = from; round < to; ++round) {
-          const std::uint64_t number = 2 * (std::uint64_t{round} * count + k);
-          const auto jitter = static_cast<std::int64_t>(randomBits(number - 1) >> 11);
+          const auto jitter = static_cast<std::int64_t>(randomBits(numberOf(round) - 1) >> 11);
           const double at_m2 = upTo_m2(k, static_cast<double>(jitter) * 0x1p-53);
           auto triangle = low;
           while (triangle != sums_m2_.end() && *triangle <= at_m2) ++triangle;
           if (triangle == sums_m2_.end()) continue;  // by rounding
           const auto t = static_cast<std::uint32_t>(triangle - sums_m2_.begin());
           if (t != corners.triangle) corners = cornersOf(t);
-          Dart dart = dartAt(corners, at_m2);
+          darts[thrown] = dartAt(corners, at_m2);
+          darts[thrown++].order = round;
+        }
+        for (std::size_t i = 0; i < thrown; ++i) {
+          Dart& dart = darts[i];
           if (meets(dart, accepted, met)) continue;
-          dart.order = std::uint64_t{round} << kRoundBit | randomBits(number) >> (64 - kRoundBit);
+          const std::uint64_t at_random = randomBits(numberOf(dart.order)) >> (64 - kRoundBit);
+          dart.order = dart.order << kRoundBit | at_random;
           blocks[b].push_back(dart);
         }
       }
@@ -187,9 +200,9 @@ class Thrower {
   }
 
  private:
-  /// The accepted darts that a share's last ones met. A share is small, so its next dart mostly
-  /// meets one of them, too.
-  using Met = std::array<std::uint32_t, 2>;
+  /// The accepted darts that the last ones met. Shares are small, and consecutive ones near each
+  /// other, so the next dart mostly meets one of them, too.
+  using Met = std::array<std::uint32_t, 3>;
 
   struct Corners {
     std::uint32_t triangle = kNone;
@@ -203,7 +216,7 @@ class Thrower {
       if (i != kNone && accepted.isNear(dart, i)) return true;
     }
     return accepted.anyNear(dart, [&](std::uint32_t i) {
-      met = {i, met[0]};
+      met = {i, met[0], met[1]};
       return true;
     });
   }
