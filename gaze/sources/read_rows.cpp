@@ -421,6 +421,11 @@ class RowReader {
           "positions are those of a scene camera on the head: foci takes its view for the screen, "
           "which holds only for a head at rest; a gaze map (foci calibrate gaze) corrects this");
     }
+    if (const std::string& column = layout_.unused_gaze; !column.empty()) {
+      header.warnings.push_back("gaze is read from " + shown(rows_.names()[*layout_.x]) +
+                                ", and column " + shown(column) +
+                                " is unused: name the gaze with gaze.x and gaze.y");
+    }
     if (const std::string& column = layout_.unused_validity; !column.empty()) {
       header.warnings.push_back("column " + shown(column) +
                                 " is unused: if it marks data loss, name it with gaze.confidence "

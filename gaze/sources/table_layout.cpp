@@ -17,13 +17,14 @@ constexpr std::string_view kTimes =
     "time timestamp t sampletime recordingtimestamp gazetimestamp devicetimestamp recordingtime n";
 // A plain "x" is last: beside "gaze_x" it is the place of something else.
 constexpr std::string_view kXs =
-    "gazex xgaze gazepointx xcoordinate porx bporx pointofregardbinocularx x";
+    "gazex xgaze gazepointx xcoordinate porx bporx pointofregardbinocularx xp x";
 constexpr std::string_view kYs =
-    "gazey ygaze gazepointy ycoordinate pory bpory pointofregardbinoculary y";
-// Of one eye: patterns of `keysOf`.
+    "gazey ygaze gazepointy ycoordinate pory bpory pointofregardbinoculary yp y";
+// Of one eye: patterns of `keysOf`. One letter for the eye is last: "rx" may be a rotation.
 constexpr std::string_view kEyesAxes =
-    "EA EYEA AEYE EYEgazeA gazeEYEA gazeAEYE gazepointEYEA gazepointAEYE EYEgazepointA EporA "
-    "etgazeEYEA pointofregardEYEA EYEAcoordinate AE EpogA EYEgazepointondisplayareaA EYEeyeA";
+    "EYEA AEYE EYEgazeA gazeEYEA gazeAEYE gazepointEYEA gazepointAEYE EYEgazepointA EporA "
+    "etgazeEYEA pointofregardEYEA EYEAcoordinate EpogA EYEgazepointondisplayareaA EYEeyeA gAEYE "
+    "ApE EA AE";
 constexpr std::string_view kEyesValidity =
     "EYEgazepointvalidity validityEYE EYEvalidity EYEgazepointvalid Epogv";
 constexpr std::string_view kEyesPupil =
@@ -73,6 +74,7 @@ class Recogniser {
     }
     layout_.readings = readingsOf(names_, layout_);
     findUnusedValidity();
+    findUnusedGaze();
     return std::move(layout_);
   }
 
@@ -159,10 +161,42 @@ class Recogniser {
 
   static bool hasPoint(const EyeColumns& eye) { return eye.point || (eye.x && eye.y); }
 
+  /// Whether two points are of one gaze, by the first rows: most of them are nearer to each other
+  /// than a quarter of the range that the first one covers.
+  bool areOneGaze(const std::array<std::size_t, 2>& first,
+                  const std::array<std::size_t, 2>& other) {
+    constexpr std::size_t kFewest = 20;
+    constexpr double kNear = 0.25;
+    for (const std::size_t axis : {0, 1}) {
+      std::vector<double> values, apart;
+      rows_.survey(kSurveyedRows, [&] {
+        if (std::max(first[axis], other[axis]) >= rows_.size()) return;
+        const auto a = parseNumber(rows_.text(first[axis])),
+                   b = parseNumber(rows_.text(other[axis]));
+        if (!a || !b) return;
+        values.push_back(*a);
+        apart.push_back(std::abs(*a - *b));
+      });
+      if (values.size() < kFewest) continue;
+      const double range = quantile(values, 0.98) - quantile(values, 0.02);
+      if (range > 0.0 && quantile(apart, 0.5) > kNear * range) return false;
+    }
+    return true;
+  }
+
+  /// Plain names are those of a mouse or a target where both eyes look elsewhere, at one point.
+  bool isOfOther(std::size_t x, std::size_t y) {
+    const auto& [left, right] = layout_.eyes;
+    return names_.key(x) == "x" && left.x && left.y && right.x && right.y &&
+           areOneGaze({*left.x, *left.y}, {*right.x, *right.y}) &&
+           !areOneGaze({*left.x, *left.y}, {x, y});
+  }
+
   void findPoint() {
     const bool eyes = hasPoint(layout_.eyes[0]) || hasPoint(layout_.eyes[1]);
     const bool told = !given_.eyes[0].x.empty() || !given_.eyes[1].x.empty();
-    if (given_.x.empty() && given_.y.empty() && eyes && (told || !(findX() && findY()))) {
+    const auto x = findX(), y = findY();
+    if (given_.x.empty() && given_.y.empty() && eyes && (told || !(x && y) || isOfOther(*x, *y))) {
       takeUnits(layout_.eyes[0].x ? layout_.eyes[0].x : layout_.eyes[1].x);
       return;
     }
@@ -174,8 +208,14 @@ class Recogniser {
     if (!layout_.y) throw names_.missing(ColumnNames::Meaning::y, kYs);
     takeUnits(layout_.x);
     for (EyeColumns& eye : layout_.eyes) {
-      // One scale holds for all positions: an eye in other units is left out.
-      if (eye.x && !told && names_.unit(*eye.x) != names_.unit(*layout_.x)) eye.x = eye.y = {};
+      // One scale holds for all positions: an eye in other units is left out. So are eyes that the
+      // study does not name beside its point, and what has an eye's letter but is elsewhere ("rx").
+      if (!eye.x || told) continue;
+      const bool has_letter = names_.key(*eye.x).size() == 2 && eye.y;
+      if (!given_.x.empty() || names_.unit(*eye.x) != names_.unit(*layout_.x) ||
+          (has_letter && !areOneGaze({*layout_.x, *layout_.y}, {*eye.x, *eye.y}))) {
+        eye.x = eye.y = {};
+      }
     }
     if (names_.unit(*layout_.x) != names_.unit(*layout_.y) && !given_.units) {
       throw rows_.error("columns " + shown(names_.text(*layout_.x)) + " and " +
@@ -247,6 +287,19 @@ class Recogniser {
     }
   }
 
+  /// Whether a column counts blinks: once above 0, it never returns.
+  bool isCounter(std::size_t column) const {
+    bool above = false, returns = false, counts = false;
+    rows_.survey(kSurveyedRows, [&] {
+      if (column >= rows_.size()) return;
+      const double value = parseNumber(rows_.text(column)).value_or(0.0);
+      returns |= above && value == 0.0;
+      above |= value > 0.0;
+      counts |= value > 1.0;
+    });
+    return counts && !returns;
+  }
+
   void findRest() {
     layout_.pupil_mm = !given_.pupil.empty() ? std::optional(named(given_.pupil))
                                              : findPupil("pupil pupildiameter pupilsize");
@@ -255,6 +308,9 @@ class Recogniser {
                                           : find("blink isblink blinkid bkid");
     layout_.named_blink =
         given_.blink.empty() && layout_.blink && names_.key(*layout_.blink) == "blinkid";
+    const bool plain_blink =
+        given_.blink.empty() && layout_.blink && names_.key(*layout_.blink) == "blink";
+    if (plain_blink && isCounter(*layout_.blink)) layout_.blink.reset();
     layout_.confidence =
         !given_.confidence.empty() ? std::optional(named(given_.confidence)) : find("confidence");
     const auto uncertainty = find("uncertainty");
@@ -366,11 +422,22 @@ class Recogniser {
       };
       const auto hints = {"valid",    "confidence", "quality", "tracking",  "tracked",  "status",
                           "eyeopen",  "openness",   "lost",    "missing",   "detected", "artefact",
-                          "artifact", "outlier",    "reliab",  "gazestate", "found"};
-      const bool named = isWordOf("bad good ok flag error loss", names_.key(i));
+                          "artifact", "outlier",    "reliab",  "gazestate", "found",    "blink"};
+      const bool named = isWordOf("bad good ok flag error loss conf", names_.key(i));
       if (!unused || !(named || std::ranges::any_of(hints, has))) continue;
       layout_.unused_validity = names_.text(i);
       return;
+    }
+  }
+
+  /// A plain "x" may be the place of something else.
+  void findUnusedGaze() {
+    if (!given_.x.empty() || !layout_.x || names_.key(*layout_.x) != "x") return;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      const std::string& key = names_.key(i);
+      const bool seems = key == "gx" || ((key.starts_with("eye") || key.starts_with("gaze")) &&
+                                         key.ends_with('x'));
+      if (seems && layout_.readings[i].meaning == "unused") layout_.unused_gaze = names_.text(i);
     }
   }
 

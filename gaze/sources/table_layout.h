@@ -125,6 +125,7 @@ struct TableLayout {
   std::vector<ColumnReading> readings{};  ///< of every column
   std::string lacks{};            ///< a column that the vendor's complete tables have; empty: none
   std::string unused_validity{};  ///< a column that seems to mark data loss; empty: none
+  std::string unused_gaze{};      ///< one that seems to be gaze, beside a plain "x"; empty: none
   bool headless = false;          ///< the first line is a row, not a header
   std::size_t names = 0;          ///< number of columns in the header
   std::size_t columns = 0;        ///< number of columns up to the last one in use

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "base/quantile.h"
@@ -18,8 +19,10 @@ namespace {
 constexpr std::size_t kMinPositions = 100;  // fewer show neither range nor shares
 
 constexpr double kManyLost = 0.5, kManyOff = 0.1;  // shares of samples
-// Of the same position, where no screen is or at its corner. Trackers lose a few per cent.
-constexpr double kCode = 0.01;
+// Of the same position, where no screen is or at its corner. Trackers lose some samples of a
+// thousand, and a measured position does not come again.
+constexpr double kCode = 0.002, kCodeWhole = 0.01;
+constexpr std::size_t kMinCodes = 5;
 constexpr double kManyZeros = 0.05;
 constexpr double kOtherScale = 20.0;  // times the range of the other eye
 constexpr double kStill = 0.005;      // of the screen: smaller than the fixation of one letter
@@ -31,7 +34,7 @@ constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of o
 // A measured position has noise, so it does not repeat for longer.
 constexpr std::size_t kMinHeld = 4, kMinHeldWhole = 8;
 constexpr double kMinHeld_s = 0.06, kManyHeld = 0.002, kMoving = 0.8;
-constexpr double kLongGap_s = 60.0;
+constexpr double kLongGap_s = 60.0, kMaxBlink_s = 3.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
 constexpr double kMaxScreen_px = 8192.0;
 constexpr double kSquare = 1.2;  // pixels are as wide as high, to this factor
@@ -152,28 +155,40 @@ void statePositions(const Positions& at, double span_s, Doubts& doubts) {
 /// A position that cannot be looked at and comes often.
 /// @param whose  "", or " of the left eye"
 bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts) {
+  constexpr double kZero = 1e-9;  // degrees come from pixels
   const glm::dvec2 low = at.low(), high = at.high();
+  const auto isWhole = [](double value) { return value == std::floor(value); };
+  const bool whole = std::ranges::all_of(at.x, isWhole) && std::ranges::all_of(at.y, isWhole);
+  const auto limitOf = [&](double x, double y) -> std::optional<double> {
+    if (x == 0.0 && y == 0.0 && at.degrees) {  // where one eye is not for long
+      return whose.empty() ? std::nullopt : std::optional(kManyZeros);
+    }
+    const bool far = x == y && (x < 0.0 || x > kMaxScreen_px);
+    if (!at.degrees && (far || (x == 0.0 && y == 0.0))) return kCode;
+    const bool off = at.hasScreen() && (x < low.x || y < low.y || x > high.x || y > high.y);
+    return off ? std::optional(whole ? kCodeWhole : kCode) : std::nullopt;
+  };
   std::map<std::pair<double, double>, std::size_t> counts;
+  std::pair<double, double> code;
+  double most = 0.0;
   for (std::size_t i = 0; i < at.x.size(); ++i) {
-    const bool corner = !at.degrees && at.x[i] == 0.0 && at.y[i] == 0.0;
-    const bool off = at.hasScreen() &&
-                     (at.x[i] < low.x || at.y[i] < low.y || at.x[i] > high.x || at.y[i] > high.y);
-    const bool beyond =
-        !at.degrees && at.x[i] == at.y[i] && (at.x[i] < 0.0 || at.x[i] > kMaxScreen_px);
-    if (corner || off || beyond) ++counts[{at.x[i], at.y[i]}];
+    std::pair p(at.x[i], at.y[i]);
+    if (std::abs(p.first) < kZero && std::abs(p.second) < kZero) p = {0.0, 0.0};
+    const auto limit = limitOf(p.first, p.second);
+    if (!limit) continue;
+    const std::size_t count = ++counts[p];
+    const double share = shareOf(count, at.x.size());
+    if (count < kMinCodes || share < *limit || share <= most) continue;
+    most = share;
+    code = p;
   }
-  const auto most =
-      std::ranges::max_element(counts, {}, [](const auto& each) { return each.second; });
-  if (most == counts.end()) return false;
-  const double share = shareOf(most->second, at.x.size());
   constexpr int kDigits = 9;  // the code as the file has it: -32768, and not -3.277e+04
-  const std::string x = significant(most->first.first, kDigits);
-  const std::string y = significant(most->first.second, kDigits);
-  return doubts.add(share >= kCode, "the position (" + x + ", " + y + ")" + whose + " is in " +
-                                        percent(share) +
-                                        " of the samples with gaze: if it means data loss, give "
-                                        "gaze.missing" +
-                                        (x == y ? " = " + x : ""));
+  const std::string x = significant(code.first, kDigits), y = significant(code.second, kDigits);
+  return doubts.add(most > 0.0, "the position (" + x + ", " + y + ")" + whose + " is in " +
+                                    decimal(100.0 * most, most < 0.01 ? 1 : 0) +
+                                    " % of the samples with gaze: if it means data loss, give "
+                                    "gaze.missing" +
+                                    (x == y ? " = " + x : ""));
 }
 
 /// A coordinate of exactly 0 that comes often while the other one moves.
@@ -243,6 +258,8 @@ void TraceDoubts::add(const GazeSample& sample) {
   }
   addClock(sample.time_s);
   ++samples_;
+  if (!sample.blink || samples_ == 1) open_s_ = sample.time_s;
+  longest_blink_s_ = std::max(longest_blink_s_, sample.time_s - open_s_);
   if (sample.point_px) addPoint(sample);
   space_.add(sample);
   outside_ += sample.direction && !sample.point_px;
@@ -279,6 +296,8 @@ void TraceDoubts::stateRows(Doubts& doubts) const {
   doubts.add(longest_gap_s_ > kLongGap_s && 2.0 * longest_gap_s_ > span_s,
              "a gap of " + significant(longest_gap_s_) +
                  " s: is the clock right (gaze.time, gaze.time_scale_s)?");
+  doubts.add(longest_blink_s_ > kMaxBlink_s,
+             "a blink lasts " + significant(longest_blink_s_) + " s: is gaze.blink right?");
   std::vector<double> pupils_mm = pupils_mm_.kept();
   if (pupils_mm.size() < kMinPositions) return;
   const double usual_mm = quantile(pupils_mm, 0.5);

@@ -110,6 +110,7 @@ class TraceDoubts {
   std::size_t outside_ = 0;  // gaze in space that meets no screen
   std::size_t away_ = 0;     // lines of sight that lead away from the screen
   double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0, paused_s_ = 0.0;
+  double open_s_ = 0.0, longest_blink_s_ = 0.0;  // the eye was open last
   glm::dvec2 last_px_{0.0};
   bool whole_px_ = true;                       // all positions
   double run_s_ = 0.0, longest_hold_s_ = 0.0;  // when a run of equal positions began

@@ -22,11 +22,13 @@ constexpr double kMaxDuration_s = 86'400.0;  // a day; a longer recording has a 
 /// Rate from the median interval, or from the mean of rounded ones, rounded to a thousandth.
 double medianRate_Hz(const std::vector<GazeSample>& samples) {
   std::vector<double> interval_s(samples.size() - 1);
+  TimeStep step;
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     interval_s[i] = samples[i + 1].time_s - samples[i].time_s;
+    step.add(interval_s[i]);
   }
-  RoundedIntervals rounded(quantile(interval_s, 0.5));
-  if (std::ranges::all_of(interval_s, isWhole_ms)) {
+  RoundedIntervals rounded(quantile(interval_s, 0.5), step.step_s());
+  if (step.step_s() > 0.0) {
     for (const double each_s : interval_s) rounded.add(1, each_s);
   }
   return rounded.rate_Hz();

@@ -39,7 +39,7 @@ void TraceSummary::add(const GazeSample& sample) {
     const auto bin = static_cast<std::size_t>(binOf(interval_s));
     ++intervals_[bin];
     sums_s_[bin] += interval_s;
-    whole_ms_ = whole_ms_ && isWhole_ms(interval_s);
+    step_.add(interval_s);
     if (samples_ == kFirstUpdate || samples_ % kUpdateEvery == 0) {
       const auto usual = static_cast<std::size_t>(medianBin());
       usual_s_ = sums_s_[usual] / static_cast<double>(std::max<std::size_t>(intervals_[usual], 1));
@@ -71,8 +71,8 @@ double TraceSummary::rate_Hz() const {
   if (samples_ < 2) return 0.0;
   const auto bin = static_cast<std::size_t>(medianBin());
   if (sums_s_[bin] <= 0.0) return 0.0;
-  RoundedIntervals rounded(sums_s_[bin] / static_cast<double>(intervals_[bin]));
-  for (std::size_t i = 0; whole_ms_ && i < intervals_.size(); ++i) {
+  RoundedIntervals rounded(sums_s_[bin] / static_cast<double>(intervals_[bin]), step_.step_s());
+  for (std::size_t i = 0; step_.step_s() > 0.0 && i < intervals_.size(); ++i) {
     rounded.add(intervals_[i], sums_s_[i]);
   }
   return rounded.rate_Hz();

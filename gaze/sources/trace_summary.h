@@ -10,38 +10,51 @@
 
 namespace foci {
 
-inline bool isWhole_ms(double interval_s) {
-  constexpr double kSlack_ms = 1e-3;  // of a double that holds a date in seconds
-  return std::abs(1e3 * interval_s - std::round(1e3 * interval_s)) < kSlack_ms;
-}
+/// The step that the times of a recording are rounded to: 10, 1, .1 or .01 ms.
+class TimeStep {
+ public:
+  void add(double interval_s) {
+    constexpr double kSlack_s = 1e-6;  // of a double that holds a date in seconds
+    while (s_ > 0.0 && std::abs(interval_s - s_ * std::round(interval_s / s_)) > kSlack_s) {
+      s_ = s_ > 2e-5 ? 0.1 * s_ : 0.0;
+    }
+  }
+  double step_s() const { return s_; }  ///< 0: none of these
 
-/// The rate of a recording whose times are whole milliseconds: at 60 Hz, intervals are 16 and 17
-/// ms, and their median would give 58.8 Hz. The mean of the intervals within a millisecond of the
-/// median. Longer ones are gaps.
+ private:
+  double s_ = 0.01;
+};
+
+/// The rate of a recording whose times are rounded: at 60 Hz and whole milliseconds, intervals are
+/// 16 and 17 ms, and their median would give 58.8 Hz. The mean of the intervals within a step and a
+/// half of the median. Longer ones are gaps.
 class RoundedIntervals {
  public:
-  explicit RoundedIntervals(double median_s) : median_s_(median_s) {}
+  RoundedIntervals(double median_s, double step_s) : median_s_(median_s), step_s_(step_s) {}
 
   /// Intervals that are nearly equal.
   void add(std::size_t count, double sum_s) {
     if (count == 0) return;
-    const double off_ms = 1e3 * std::abs(sum_s / static_cast<double>(count) - median_s_);
-    if (off_ms > 1.5) return;
+    const double off_s = sum_s / static_cast<double>(count) - median_s_;
+    if (std::abs(off_s) > 1.5 * step_s_) return;
     count_ += count;
     sum_s_ += sum_s;
-    if (off_ms > 0.5) beside_ += count;
+    if (off_s < -0.5 * step_s_) below_ += count;
+    if (off_s > 0.5 * step_s_) above_ += count;
   }
 
-  /// To a thousandth. By the median if fewer than a tenth of the intervals lie beside it.
+  /// To a thousandth. By the median if fewer than a tenth of the intervals lie beside it, or if
+  /// those above it may be two: where a sample is lost.
   double rate_Hz() const {
-    const bool by_median = 10 * beside_ < count_ || !(sum_s_ > 0.0);
+    const std::size_t beside = below_ + (median_s_ > 1.5 * step_s_ ? above_ : 0);
+    const bool by_median = 10 * beside < count_ || !(sum_s_ > 0.0);
     const double usual_s = by_median ? median_s_ : sum_s_ / static_cast<double>(count_);
     return std::round(1000.0 / usual_s) / 1000.0;
   }
 
  private:
-  double median_s_, sum_s_ = 0.0;
-  std::size_t count_ = 0, beside_ = 0;
+  double median_s_, step_s_, sum_s_ = 0.0;
+  std::size_t count_ = 0, below_ = 0, above_ = 0;
 };
 
 class TraceSummary {
@@ -52,7 +65,7 @@ class TraceSummary {
   double first_s() const { return first_s_; }
   double span_s() const { return last_s_ - first_s_; }
   /// Sampling rate from the median interval, exact to a fiftieth; 0 with fewer than two samples.
-  /// From the mean of the intervals beside the median if times are whole milliseconds.
+  /// From the mean of the intervals beside the median if times are rounded.
   double rate_Hz() const;
   std::size_t present() const { return present_; }  ///< samples with a point
   std::size_t blinks() const { return blinks_; }    ///< samples that the tracker reports as blinks
@@ -79,9 +92,9 @@ class TraceSummary {
   glm::dvec2 min_px_{0.0}, max_px_{0.0};
   std::array<std::size_t, kPerOctave * kOctaves> intervals_{};
   std::array<double, kPerOctave * kOctaves> sums_s_{};  // of the intervals in each bin
-  bool whole_ms_ = true;                                // all intervals
-  double usual_s_ = 0.0;                                // median interval, updated at times
-  std::vector<double> early_s_{};                       // intervals before it is known
+  TimeStep step_{};
+  double usual_s_ = 0.0;           // median interval, updated at times
+  std::vector<double> early_s_{};  // intervals before it is known
 };
 
 }  // namespace foci

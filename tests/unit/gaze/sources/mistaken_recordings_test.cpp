@@ -151,6 +151,9 @@ std::vector<Mistake> wrongAxesAndColumns() {
     const glm::dvec2 p = glm::tan(glm::radians(degrees(row)));
     return std::vector<double>{row.time_s, p.x, p.y, 1.0};
   };
+  const auto beside = [](const Row& row) {
+    return std::vector<double>{row.time_s, 300.0 + row.y, row.x / 4.0, row.x, row.y};
+  };
   const auto twins = [](const Row& row) {
     return std::vector<double>{row.time_s, row.x, row.x + 300.0, row.y};
   };
@@ -169,6 +172,7 @@ std::vector<Mistake> wrongAxesAndColumns() {
        saidAbout(table("time_s,left_direction_x,left_direction_y,left_direction_z", forward)),
        "axes"},
       {"two columns of a name", saidAbout(table("time_s,x,x,y", twins)), "gaze.x"},
+      {"a target beside the gaze", saidAbout(table("time_s,x,y,eye_x,eye_y", beside)), "gaze.x"},
       {"an unknown name", saidAbout(table("time_s,a,b", mapped(centred))), "gaze.x"},
   };
 }
@@ -217,6 +221,19 @@ std::vector<Mistake> lossesAndText() {
   const auto with = [](double good) {
     return [good](const Row& row) { return std::vector<double>{row.time_s, row.x, row.y, good}; };
   };
+  const auto rare = mapped([](const Row& row) {
+    return row.number % 125 == 0 ? glm::dvec2(-1.0) : glm::dvec2(row.x, row.y);
+  });
+  const auto middle = [](const Row& row) {
+    const glm::dvec2 p = degrees(row), left = row.number % 100 < 12 ? glm::dvec2(0.0) : p;
+    return std::vector<double>{row.time_s, left.x, left.y, p.x, p.y};
+  };
+  const auto blinks = [](const Row& row) {
+    return std::vector<double>{row.time_s, row.x, row.y, std::floor(row.time_s / 5.0)};
+  };
+  const auto onlyOne = [](const Row& row) {
+    return std::vector<double>{row.time_s, row.x, row.y, row.time_s > 11.0 ? 1.0 : 0.0};
+  };
   std::string words = kXy + "\n", commas = kXy + "\n", lost = kXy + "\n";
   for (const Row& row : goodRows()) {
     char line[80];
@@ -248,6 +265,14 @@ std::vector<Mistake> lossesAndText() {
       {"(0, 0) for the left eye", saidAbout(table(eyes, oneEye(0.0, 20))), "of the left eye"},
       {"(0, 0) for the left eye at times", saidAbout(table(eyes, oneEye(0.0, 2))),
        "gaze.missing = 0"},
+      {"-1 in 0.8 % of the samples", saidAbout(table(kXy, rare)), "gaze.missing = -1"},
+      {"0 deg for the left eye",
+       saidAbout(table("time_s,left_x_deg,left_y_deg,right_x_deg,right_y_deg", middle)),
+       "of the left eye"},
+      {"a counter of blinks", saidAbout(table(kXy + ",blink", blinks)), "gaze.blink"},
+      {"a counter of one blink", saidAbout(table(kXy + ",blink", onlyOne)), "gaze.blink"},
+      {"a blink of one eye", saidAbout(table(kXy + ",left_blink", with(0.0))), "gaze.blink"},
+      {"confidence, abridged", saidAbout(table(kXy + ",conf", with(1.0))), "gaze.confidence"},
       {"1e8 for loss", saidAbout(table(kXy, coded(1e8))), "gaze.missing"},
       {"the last position for loss", saidAbout(held), "stay the same"},
       {"another rate than stated", saidAbout("# sampling_Hz=250\n" + good), "stated sampling rate"},
@@ -303,6 +328,48 @@ TEST(MistakenRecordings, AColumnOfValidityIsReadIfTheStudyNamesIt) {
   EXPECT_EQ(trace.warnings, std::vector<std::string>{});
   EXPECT_TRUE(trace.samples[0].point_px && trace.samples[2].point_px);
   EXPECT_FALSE(trace.samples[1].point_px);
+}
+
+TEST(MistakenRecordings, WhatOnlyLooksLikeAnEyeOrGazeIsNone) {
+  // The resolution in px per degree, and the turn of a head.
+  const auto beside = [](const Row& row) {
+    return std::vector<double>{row.time_s,           row.x, row.y, row.x + 8.0, row.y,
+                               25.6 + 0.001 * row.x, 26.8};
+  };
+  const auto read = [&](const std::string& names, const Fields& fields,
+                        const TraceColumns& columns = {}) {
+    return readTrace(ScratchFile(table(names, fields)).path(), columns, kScreen);
+  };
+  for (const char* names :
+       {"time_s,xpl,ypl,xpr,ypr,xr,yr", "time_s,left_x,left_y,right_x,right_y,rx,ry",
+        "time_s,gx_left,gy_left,gx_right,gy_right,rx,ry"}) {
+    const GazeSample seen = read(names, beside).samples[10];
+    const Row row = goodRows()[10];
+    ASSERT_TRUE(seen.point_px && seen.eyes[1].point_px) << names;
+    EXPECT_NEAR(seen.point_px->x, row.x + 4.0, 1e-6) << names;
+    EXPECT_NEAR(seen.eyes[1].point_px->x, row.x + 8.0, 1e-6) << names;
+  }
+  const auto one = [&](const Row& row) {
+    return std::vector<double>{row.time_s, row.x, row.y, 25.6 + 0.001 * row.x, 26.8};
+  };
+  for (const char* names :
+       {"time_s,xp,yp,xr,yr", "time_s,gaze_x,gaze_y,rx,ry", "time_s,x,y,rx,ry"}) {
+    const GazeSample seen = read(names, one).samples[10];
+    EXPECT_FALSE(seen.eyes[1].point_px) << names;
+    EXPECT_NEAR(seen.point_px->x, goodRows()[10].x, 1e-6) << names;
+  }
+  // Eyes beside a point that the study names.
+  const TraceColumns named{.x = "x_filtered", .y = "y_filtered"};
+  const auto filtered =
+      read("time_s,x_filtered,y_filtered,left_x,left_y,right_x,right_y", beside, named);
+  EXPECT_FALSE(filtered.samples[10].eyes[0].point_px || filtered.samples[10].eyes[1].point_px);
+  // A mouse that rests, or a target.
+  const auto mouse = [](const Row& row) {
+    return std::vector<double>{row.time_s, 300.0 + row.number / 500, 400.0, row.x, row.y, row.x,
+                               row.y};
+  };
+  const auto gaze = read("time_s,x,y,left_gaze_x,left_gaze_y,right_gaze_x,right_gaze_y", mouse);
+  EXPECT_NEAR(gaze.samples[10].point_px->x, goodRows()[10].x, 1e-6);
 }
 
 TEST(MistakenRecordings, NoneIsSilentAndEachNamesWhatToDo) {

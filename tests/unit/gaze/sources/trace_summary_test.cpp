@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace foci {
 namespace FOCI_FILE {
@@ -38,13 +39,30 @@ TEST(TraceSummary, CountsAJumpAmongTheFirstSamples) {
   EXPECT_NEAR(summary.longest_jump_s(), 3.001, 1e-9);
 }
 
-TEST(TraceSummary, WholeMillisecondsHaveTheirMeanRate) {
-  TraceSummary summary;
-  for (int i = 0; i < 600; ++i) {
-    const double gap_s = i < 300 ? 0.0 : 2.0;
-    summary.add({.time_s = 1e-3 * std::round(i / 0.06) + gap_s});
+TEST(TraceSummary, RoundedTimesHaveTheirMeanRate) {
+  for (const double step_s : {0.01, 0.001, 0.0001, 0.00001}) {
+    for (const double rate_Hz : {30.0, 60.0, 75.0, 120.0}) {
+      if (rate_Hz * step_s > 0.7) continue;
+      TraceSummary summary;
+      std::vector<GazeSample> samples;
+      for (int i = 0; i < 600; ++i) {
+        const double gap_s = i < 300 ? 0.0 : 2.0;
+        samples.push_back({.time_s = step_s * std::round(i / rate_Hz / step_s) + gap_s});
+        summary.add(samples.back());
+      }
+      // The median would give 58.8 Hz for 60 in whole milliseconds.
+      EXPECT_NEAR(summary.rate_Hz(), rate_Hz, 0.004 * rate_Hz * (step_s > 0.005 ? 2.0 : 0.1))
+          << step_s;
+    }
   }
-  EXPECT_NEAR(summary.rate_Hz(), 60.0, 0.02);  // the median would give 58.8
+}
+
+TEST(TraceSummary, ALostSampleIsNoSlowerRate) {
+  TraceSummary summary;  // 100 Hz in steps of 10 ms, an eighth of the samples lost
+  for (int i = 0; i < 800; ++i) {
+    if (i % 8 != 0) summary.add({.time_s = 0.01 * i});
+  }
+  EXPECT_NEAR(summary.rate_Hz(), 100.0, 1e-3);
 }
 
 }  // namespace FOCI_FILE
