@@ -349,9 +349,9 @@ InputError NamedTable::unexpected(std::size_t column, double low, double high) c
 }
 
 NumberRows::NumberRows(std::string source, std::vector<std::string> names,
-                       std::vector<double> values, std::optional<double> rate_Hz)
+                       std::vector<double> values, const TablePreamble& before)
     : values_(std::move(values)) {
-  before_.rate_Hz = rate_Hz;
+  before_ = before;
   source_ = std::move(source);
   names_ = std::move(names);
 }

@@ -36,6 +36,7 @@ class Recogniser {
   Recogniser(Rows& rows, const TraceColumns& columns)
       : rows_(rows), given_(columns), before_(rows.before()), names_(rows, rows.names()) {
     const char between = rows.delimiter();
+    layout_.of_scene_camera = before_.of_scene_camera;
     layout_.names = names_.size();
     layout_.format = rows.areNumbers() || between == '\t' ? "TSV" : between == ' ' ? "text" : "CSV";
   }

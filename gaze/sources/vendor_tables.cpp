@@ -44,6 +44,7 @@ void takeGazepoint(Names names, TableLayout& layout) {
 
 /// Rows of the mouse and of events lie between those of the eye tracker.
 void takeProLab(Names names, TableLayout& layout) {
+  layout.of_scene_camera |= isOfProGlasses(names);
   layout.width_px = names.find("recordingresolutionwidth");
   layout.height_px = names.find("recordingresolutionheight");
   layout.rows = names.find("sensor")
@@ -61,8 +62,10 @@ void takeStudio(Names names, TableLayout& layout) {
       "gazepointxright");
 }
 
-/// Messages and the separators of trials lie between the samples.
+/// Messages and the separators of trials lie between the samples. Those of glasses have the time in
+/// the video of the scene.
 void takeSmi(Names names, TableLayout& layout) {
+  layout.of_scene_camera |= names.find("videotime") && names.find("pointofregardbinocularx");
   if (const auto type = names.find("type")) {
     layout.rows = {.column = type, .only = "SMP"};
   } else {
@@ -214,6 +217,13 @@ bool isOf(const Vendor& vendor, Names names, const TablePreamble& before) {
 }
 
 }  // namespace
+
+bool isOfProGlasses(const ColumnNames& names) {
+  return names.find(
+             "recordingmediawidth recordingmedianame gazepoint3dx gazepoint3dleftx "
+             "pupilpositionleftx gyrox accelerometerx") &&
+         !names.find("recordingresolutionwidth presentedmedianame presentedstimulusname");
+}
 
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
   const auto time = names.find("recordingtimestamp");

@@ -1,0 +1,72 @@
+// Tables of vendors and labs that look like others. The values are made up.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "gaze/sources/trace_reader.h"
+#include "tests/unit/gaze/scratch.h"
+#include "tests/unit/gaze/sources/read_tables.h"
+
+namespace foci {
+namespace FOCI_FILE {
+
+GazeTrace read(const std::string& text, const TraceColumns& columns = {}) {
+  return readTrace(ScratchFile(text).path(), columns, {});
+}
+
+/// So many rows, where N is the number of the row.
+std::string rowsOf(const std::string& pattern, int count = 64) {
+  std::string rows;
+  for (int i = 0; i < count; ++i) {
+    for (const char c : pattern) rows += c == 'N' ? std::to_string(i + 1) : std::string(1, c);
+    rows += '\n';
+  }
+  return rows;
+}
+
+bool warnsOf(const GazeTrace& trace, const std::string& part) {
+  for (const std::string& warning : trace.warnings) {
+    if (warning.find(part) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(MistakenTable, PixelsOfASceneCameraAreNotThoseOfAScreen) {
+  const std::string lab =
+      "Recording timestamp [ms]\tSensor\tGaze point X\tGaze point Y\tValidity left\tValidity "
+      "right\t";
+  const std::string row = "N0\tEye Tracker\t53N\t576\tValid\tValid\t";
+  for (const char* glasses : {"Recording media width", "Gaze point 3D X", "Gyro X"}) {
+    EXPECT_TRUE(warnsOf(read(lab + glasses + "\n" + rowsOf(row + "1920")), "scene camera"))
+        << glasses;
+  }
+  const GazeTrace screen = read(lab + "Recording resolution width\tRecording resolution height\n" +
+                                rowsOf(row + "1920\t1080"));
+  EXPECT_FALSE(warnsOf(screen, "scene camera"));
+
+  const std::string smi =
+      "RecordingTime [ms],Trial,Category Binocular,Point of Regard Binocular X [px],Point of "
+      "Regard Binocular Y [px]";
+  const std::string smi_row = "N0,Trial001,Fixation,53N.2,576.1";
+  EXPECT_TRUE(warnsOf(read(smi + ",Video Time [h:m:s:ms]\n" + rowsOf(smi_row + ",00:00:00:000")),
+                      "scene camera"));
+  EXPECT_FALSE(warnsOf(read(smi + "\n" + rowsOf(smi_row)), "scene camera"));
+}
+
+TEST(MistakenTable, DirectionsOfGlassesNeedNoPositionsOfThePupils) {
+  std::string header = "Recording timestamp [ms]\tSensor\tRecording media width\tGaze point X";
+  for (const std::string eye : {"left", "right"}) {
+    for (const std::string axis : {"X", "Y", "Z"}) {
+      header.append("\tGaze direction ").append(eye).append(" ").append(axis);
+    }
+  }
+  // The head unit's axes point to the left, up and forward.
+  const GazeTrace trace =
+      read(header + "\n" + rowsOf("N0\tEye Tracker\t1920\t53N\t0.6\t0\t0.8\t0.6\t0\t0.8"));
+  EXPECT_EQ(trace.format, "Tobii Pro Lab, glasses, binocular");
+  ASSERT_TRUE(trace.samples[0].direction);
+  EXPECT_LT(glm::distance(*trace.samples[0].direction, glm::dvec3(-0.6, 0.0, -0.8)), 1e-12);
+}
+
+}  // namespace FOCI_FILE
+}  // namespace foci
