@@ -400,6 +400,11 @@ class RowReader {
                          "\"deg\" with gaze.scale = [57.29578, 57.29578])");
       }
       header.assumed.push_back("unit of the positions: px (gaze.units)");
+      if (!layout_.unknown_unit.empty()) {
+        header.warnings.push_back("column " + shown(layout_.unknown_unit) +
+                                  " has an unknown unit: expected px, deg or fractions of the "
+                                  "screen; gaze.scale converts it to gaze.units");
+      }
       if (plain_.areAroundZero()) {
         header.warnings.push_back(
             "a quarter of the positions or more are negative, so they may be degrees, or pixels "

@@ -188,13 +188,18 @@ class Recogniser {
   void takeUnits(const std::optional<std::size_t>& column) {
     if (!column) return;
     const std::string& unit = names_.unit(*column);
-    if (unit == "rad" && !given_.units && !given_.mapped_later) throw names_.inRadians(*column);
     if (names_.needsScale(*column) && !given_.units && !given_.mapped_later) {
       throw rows_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
                         ": expected px, deg or fractions of the screen; gaze.scale converts it "
                         "to gaze.units");
     }
     layout_.units = unitsNamed(unit);
+    if (given_.units || given_.mapped_later) return;
+    const double degrees = names_.degreesPerUnit(*column);
+    if (degrees != 1.0) layout_.units = GazeUnits::deg;
+    // The study's own scale, other than of signs, replaces that of the unit.
+    if (glm::abs(given_.scale) == glm::dvec2(1.0)) layout_.scale = degrees;
+    if (!names_.unknownUnit(*column).empty()) layout_.unknown_unit = names_.text(*column);
   }
 
   /// Lines of sight and heads, as the study names them; of the rest, the pupils.

@@ -111,6 +111,8 @@ struct TableLayout {
   std::optional<std::size_t> resolution{};             ///< the same in one field, "1920 x 1080"
   SampleRows rows{};
   std::optional<GazeUnits> units{};  ///< from the columns' names
+  double scale = 1.0;                ///< `units` per unit of the columns
+  std::string unknown_unit{};        ///< the column of x, if its name has one
   bool y_up = false;                 ///< fractions count from the bottom-left corner (Pupil Core)
   bool size_off_is_absent = false;   ///< the point (-width, -height) means data loss (Tobii Studio)
   bool of_scene_camera = false;      ///< of a camera on the head (Pupil Core, Neon, glasses)

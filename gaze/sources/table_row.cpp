@@ -37,7 +37,7 @@ std::optional<double> TableRow::coordinate(std::size_t column, std::string_view 
                            : kFarthestGaze_px / glm::max(screen_.size_px.x, screen_.size_px.y);
   commas_.note(rows_, column, text, static_cast<std::size_t>(axis), number);
   if (isMissing(number)) return std::nullopt;
-  const double value = given_.scale[axis] * number + given_.offset[axis];
+  const double value = given_.scale[axis] * layout_.scale * number + given_.offset[axis];
   if (std::abs(value) > limit)
     fail(column, "too far from any screen; is it gaze.missing, or gaze.units wrong?");
   return value;

@@ -111,7 +111,7 @@ std::string channelName(std::string_view channel, std::size_t number) {
   }
   if (name.empty()) name = "channel" + std::to_string(number + 1);
   std::string unit = plain(element(channel, "unit"));
-  if (std::string known = shortUnit(lowered(unit)); !known.empty()) unit = std::move(known);
+  if (std::string known = unitIn(lowered(unit)); !known.empty()) unit = std::move(known);
   const bool stated = unit == "norm" && name.find("norm") != name.npos;
   if (stated || unit.find_first_of("[]()") != unit.npos || name.find_first_of("[(") != name.npos) {
     unit = {};

@@ -68,5 +68,48 @@ TEST(MistakenTable, DirectionsOfGlassesNeedNoPositionsOfThePupils) {
   EXPECT_LT(glm::distance(*trace.samples[0].direction, glm::dvec3(-0.6, 0.0, -0.8)), 1e-12);
 }
 
+TEST(MistakenTable, UnitsOfAnglesAreReadAsTheyStand) {
+  // A screen of 2 x 1 m and 2000 x 1000 px, 1 m away: its edge lies 45 degrees to the right.
+  const Screen screen{.size_px = {2000, 1000}, .size_m = {2.0, 1.0}, .distance_m = 1.0};
+  const auto point = [&](const std::string& unit, const std::string& value,
+                         const TraceColumns& columns = {}) {
+    const std::string text =
+        "time (msecs),gaze_x " + unit + ",gaze_y " + unit + "\n" + rowsOf("N0," + value + ",0");
+    const GazeTrace trace = readTrace(ScratchFile(text).path(), columns, screen);
+    EXPECT_DOUBLE_EQ(trace.samples[1].time_s - trace.samples[0].time_s, 0.01) << unit;
+    return *trace.samples[0].point_px;
+  };
+  for (const auto& [unit, value] : {std::pair("(arcmin)", "2700"),
+                                    {"[mrad]", "785.39816339744831"},
+                                    {"[rad]", "0.78539816339744831"},
+                                    {"(degs)", "45"},
+                                    {"[\xc2\xb0]", "45"},
+                                    {"(visual angle)", "45"},
+                                    {"(degrees of visual angle)", "45"}}) {
+    EXPECT_LT(glm::distance(point(unit, value), glm::dvec2(2000, 500)), 1e-9) << unit;
+  }
+  TraceColumns own;
+  own.scale = glm::dvec2(1.0 / 60.0);
+  EXPECT_LT(glm::distance(point("(arcmin)", "2700", own), glm::dvec2(2000, 500)), 1e-9);
+}
+
+TEST(MistakenTable, AnUnknownUnitIsSaidToBeOne) {
+  const auto readIn = [](const std::string& unit) {
+    return read("time_s,gaze_x " + unit + ",gaze_y " + unit + "\n" + rowsOf("N,63N.5,583.1"));
+  };
+  for (const char* unit : {"(mV)", "[vw]", "(stage units)"}) {
+    const GazeTrace trace = readIn(unit);
+    EXPECT_TRUE(warnsOf(trace, "unknown unit")) << unit;
+    EXPECT_EQ(trace.columns[1].why, "a guess: its unit is unknown") << unit;
+  }
+  for (const char* none : {"(left)", "[Screenshot 1]", "[0-1]", "(raw)", "(both eyes)"}) {
+    const GazeTrace trace = readIn(none);
+    EXPECT_FALSE(warnsOf(trace, "unit")) << none;
+    EXPECT_EQ(trace.columns[1].why, "a guess: its name has no unit") << none;
+  }
+  const std::string inches = "time_s,gaze_x [in],gaze_y [in]\n" + rowsOf("N,6.5,5.1");
+  EXPECT_NE(refusal(inches).find("gaze.scale"), std::string::npos);
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
