@@ -231,7 +231,7 @@ bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
                         names.find("gazepointx gazepointleftx");
   return before.tobii_studio || version3 ||
          (names.find("gazepointxleft") && names.find("gazepointyleft") &&
-          names.find("camxleft distanceleft validityleft"));
+          names.find("camxleft distanceleft number"));
 }
 
 void judgeValidity(Rows& rows, TableLayout& layout) {

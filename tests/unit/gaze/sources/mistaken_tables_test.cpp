@@ -111,5 +111,25 @@ TEST(MistakenTable, AnUnknownUnitIsSaidToBeOne) {
   EXPECT_NE(refusal(inches).find("gaze.scale"), std::string::npos);
 }
 
+// psychopy_tobii_controller writes names of Tobii Studio, and PsychoPy's units from the middle.
+TEST(MistakenTable, PsychoPysPositionsFromTheMiddleAreNotTobiiStudios) {
+  const GazeTrace trace = read(
+      "TimeStamp\tGazePointXLeft\tGazePointYLeft\tPupilLeft\tValidityLeft\tGazePointXRight\t"
+      "GazePointYRight\tPupilRight\tValidityRight\tGazePointX\tGazePointY\n" +
+      rowsOf("N6.7\t-434.1\t-36.N\t3.1\t1\t-417.9\t-36.N\t3.3\t1\t-425.4\t-36.N"));
+  EXPECT_EQ(trace.format, "TSV, binocular");
+  EXPECT_TRUE(warnsOf(trace, "from the middle of the screen"));
+}
+
+TEST(MistakenTable, AVendorsPixelsAboutZeroWarn) {
+  const std::string lab =
+      "Recording timestamp [ms]\tSensor\tGaze point X\tGaze point Y\tValidity left\tValidity "
+      "right\n";
+  const std::string row = "N0\tEye Tracker\t";
+  const std::string end = "576\tValid\tValid";
+  EXPECT_TRUE(warnsOf(read(lab + rowsOf(row + "-53N\t" + end)), "from the middle"));
+  EXPECT_FALSE(warnsOf(read(lab + rowsOf(row + "53N\t" + end)), "from the middle"));
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
