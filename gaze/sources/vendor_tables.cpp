@@ -189,12 +189,13 @@ const Vendor kVendors[] = {
      .code = ValidityCode::zero,
      .validity = "val"}};
 
-/// Rows by an eye's validity and by whether it has a position.
+/// Rows by an eye's validity and by whether it has a position. One that is kept tells nothing.
 struct ValidityCounts {
   std::array<std::size_t, 2> good{}, lost{};  // of the values 0 and 1
   std::size_t others = 0;                     // of another value
+  std::array<std::optional<double>, 2> last_x{}, last_y{};
 
-  void add(const Rows& rows, const EyeColumns& eye) {
+  void add(const Rows& rows, const EyeColumns& eye, std::size_t side) {
     if (!eye.validity || !eye.x || !eye.y) return;
     if (std::max({*eye.validity, *eye.x, *eye.y}) >= rows.size()) return;
     const auto value = rows.number(*eye.validity);
@@ -202,10 +203,13 @@ struct ValidityCounts {
     const auto x = parseNumber(rows.text(*eye.x)), y = parseNumber(rows.text(*eye.y));
     if (*value != 0.0 && *value != 1.0) {
       ++others;
-    } else {
-      const bool is_lost = !x || !y || (*x == *y && *x <= 0.0);
-      ++(is_lost ? lost : good)[*value == 1.0];
+    } else if (!x || !y || (*x == *y && *x <= 0.0)) {
+      ++lost[*value == 1.0];
+    } else if (x != last_x[side] || y != last_y[side]) {
+      ++good[*value == 1.0];
     }
+    last_x[side] = x;
+    last_y[side] = y;
   }
 };
 
@@ -237,10 +241,14 @@ bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
 void judgeValidity(Rows& rows, TableLayout& layout) {
   constexpr std::size_t kEnough = 20, kMostly = 9;
   if (!layout.eyes[0].validity && !layout.eyes[1].validity) return;
-  ValidityCounts seen;
-  rows.survey(kSurveyedRows, [&] {
-    for (const EyeColumns& eye : layout.eyes) seen.add(rows, eye);
-  });
+  const auto countIn = [&](std::size_t most) {
+    ValidityCounts seen;
+    rows.survey(most, [&] {
+      for (const std::size_t side : {0, 1}) seen.add(rows, layout.eyes[side], side);
+    });
+    return seen;
+  };
+  ValidityCounts seen = countIn(kSurveyedRows);
   const ValidityCode stated = layout.validity_code;
   if (seen.good[0] + seen.good[1] < kEnough) return;
   if (stated == ValidityCode::below_two && seen.others == 0) {
@@ -250,6 +258,9 @@ void judgeValidity(Rows& rows, TableLayout& layout) {
       layout.validity_code = ValidityCode::zero;
     }
   } else if (stated == ValidityCode::one && seen.good[0] >= kMostly * seen.good[1]) {
+    // Against the vendor's code, all rows must tell, up to some megabytes.
+    seen = countIn(SIZE_MAX);
+    if (seen.good[0] < kMostly * seen.good[1] || seen.good[1] >= kEnough) return;
     layout.validity_code = seen.others > 0 ? ValidityCode::below_two : ValidityCode::zero;
   }
   if (layout.validity_code == stated) return;

@@ -131,5 +131,29 @@ TEST(MistakenTable, AVendorsPixelsAboutZeroWarn) {
   EXPECT_FALSE(warnsOf(read(lab + rowsOf(row + "53N\t" + end)), "from the middle"));
 }
 
+// Gazepoint keeps the last position of a lost eye.
+TEST(MistakenTable, AKeptPositionIsNoSignThatAnEyeIsValid) {
+  const std::string header =
+      "TIME,BPOGX,BPOGY,BPOGV,LPOGX,LPOGY,LPOGV,RPOGX,RPOGY,RPOGV,LPMM,RPMM\n";
+  const auto rows = [](const std::string& x, char valid, int count) {
+    const std::string eye = "0.4" + x + ",0.5," + valid;
+    return rowsOf("N," + eye + "," + eye + "," + eye + ",3,3", count);
+  };
+  const auto isGood = [&](const std::string& text) {
+    std::string timed = header;
+    int number = 0;
+    for (std::size_t at = 0; at < text.size(); ++number) {
+      const std::size_t end = text.find('\n', at), comma = text.find(',', at);
+      timed += std::to_string(number) + text.substr(comma, end + 1 - comma);
+      at = end + 1;
+    }
+    return read(timed).samples.back().eyes[0].point_px.has_value();
+  };
+  EXPECT_TRUE(isGood(rows("N", '1', 100) + rows("", '0', 3000) + rows("N", '1', 100)));
+  // Lost with a position that moves: a warning of the rows that follow would come too late.
+  EXPECT_TRUE(isGood(rows("N", '0', 3000) + rows("N", '1', 100)));
+  EXPECT_FALSE(isGood(rows("N", '0', 3000) + rows("", '1', 100)));
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
