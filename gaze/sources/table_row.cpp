@@ -216,8 +216,12 @@ std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& ey
 
 bool TableRow::isValid(std::size_t column) const {
   const auto value = number(column);
-  if (!value)
-    return equalsIgnoringCase(field(column), "valid") || equalsIgnoringCase(field(column), "true");
+  if (!value) {
+    const std::string word = lowered(field(column));
+    if (word == "valid" || word == "true") return true;
+    if (isAbsent(column) || word == "invalid" || word == "false") return false;
+    fail(column, "expected a number, or Valid or Invalid, or True or False");
+  }
   switch (layout_.validity_code) {
     case ValidityCode::one:
       return *value == 1.0;
