@@ -286,7 +286,8 @@ std::string ColumnNames::otherKind() const {
     return "the rows are fixations or events: export the samples of gaze";
   }
   if (const std::string directions =
-          namesWith({"gazedirect", "gazevector", "gazedir", "gvec", "raydirection", "gazeforward"});
+          namesWith({"gazedirect", "gazevector", "gazedir", "gvec", "raydirection", "gazeforward",
+                     "leftdirection", "rightdirection"});
       !directions.empty()) {
     return "the columns " + directions +
            " are directions in space: name x, y and z in a study with gaze.direction = [...], and "

@@ -154,6 +154,9 @@ class Recogniser {
       }
       eye.origin_mm = names_.findTriple(origin, side);
       eye.direction = names_.findTriple(direction, side);
+      // As docs/calibration.md names them. Others do not tell their axes and their frame.
+      const bool in_mm = eye.origin_mm && names_.unit((*eye.origin_mm)[0]) == "mm";
+      if (eye.direction && !layout_.camera_axes && !in_mm) eye.direction = eye.origin_mm = {};
       eye.sight_mm = names_.findTriple("EYEgazepointinusercoordinatesystemA", side);
     }
   }

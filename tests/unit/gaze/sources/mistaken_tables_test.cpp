@@ -164,5 +164,25 @@ TEST(MistakenTable, AnUnknownWordOfValidityIsRefused) {
       << refused;
 }
 
+TEST(MistakenTable, DirectionsWithoutAxesAndFrameAskForThem) {
+  const auto header = [](const std::string& unit) {
+    std::string text = "time_s";
+    for (const std::string column : {"origin_", "direction_"}) {
+      for (const char* axis : {"x", "y", "z"}) {
+        text.append(",left_").append(column).append(axis);
+        if (column == "origin_") text += unit;
+      }
+    }
+    return text + "\n";
+  };
+  // Straight ahead in OpenXR's axes, and in those of docs/calibration.md.
+  const std::string rows = rowsOf("N,0.03,1.6,0.1,0,0.0N,-1");
+  for (const char* unit : {"", "_m"}) {
+    const std::string refused = refusal(header(unit) + rows);
+    EXPECT_NE(refused.find("gaze.axes and gaze.frame"), std::string::npos) << refused;
+  }
+  EXPECT_TRUE(read(header("_mm") + rows).samples[0].eyes[0].direction);
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
