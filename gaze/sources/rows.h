@@ -76,6 +76,9 @@ class Rows : public Place {
 
   /// The line of names is a row itself. Call before `next`.
   virtual void readNamesAsRow() {}
+  /// Gives a column of row numbers without a name, as R's write.table and pandas' to_string write
+  /// it, an empty name. Call before `names`.
+  virtual void nameRowNumbers() {}
 
   /// Only the first `columns` fields of a row are needed.
   void limitTo(std::size_t columns) { used_ = columns; }
@@ -173,6 +176,7 @@ class TextRows final : public Rows {
   bool next() override;
   void survey(std::size_t most, const std::function<void()>& visit) override;
   void readNamesAsRow() override;
+  void nameRowNumbers() override;
   InputError error(const std::string& what) const override;
 
  private:

@@ -405,6 +405,7 @@ bool TableLayout::isFilled(const Rows& row, bool with_rating) const {
 }
 
 TableLayout recogniseTable(Rows& rows, const TraceColumns& columns) {
+  rows.nameRowNumbers();
   return Recogniser(rows, columns).recognise();
 }
 

@@ -184,5 +184,17 @@ TEST(MistakenTable, DirectionsWithoutAxesAndFrameAskForThem) {
   EXPECT_TRUE(read(header("_mm") + rows).samples[0].eyes[0].direction);
 }
 
+TEST(MistakenTable, RowNumbersWithoutANameAreNoField) {
+  for (const char* text :
+       {"\"time\" \"x\" \"y\"\n\"1\" 0.00 534.6 576.2\n\"2\" 0.01 535.6 577.2\n",
+        "   time      x      y\n0  0.00  534.6  576.2\n1  0.01  535.6  577.2\n"}) {
+    const GazeTrace trace = read(text);
+    ASSERT_EQ(trace.samples.size(), 2u);
+    expectPoint(trace.samples[1].point_px, 535.6, 577.2);
+  }
+  EXPECT_NE(refusal("time x y\n0 0.00 534.6 576.2\n1 0.01 535.6 577.2\n").find("4 fields"),
+            std::string::npos);
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
