@@ -14,22 +14,26 @@ namespace foci {
 namespace {
 
 constexpr std::string_view kTimes =
-    "time timestamp t sampletime recordingtimestamp gazetimestamp devicetimestamp recordingtime n";
+    "time timestamp t sampletime recordingtimestamp gazetimestamp devicetimestamp recordingtime "
+    "tettime n";
 // A plain "x" is last: beside "gaze_x" it is the place of something else.
 constexpr std::string_view kXs =
-    "gazex xgaze gazepointx xcoordinate porx bporx pointofregardbinocularx x";
+    "gazex xgaze gazepointx xcoordinate porx bporx pointofregardbinocularx gazeposx averagegazex x "
+    "xp";
 constexpr std::string_view kYs =
-    "gazey ygaze gazepointy ycoordinate pory bpory pointofregardbinoculary y";
+    "gazey ygaze gazepointy ycoordinate pory bpory pointofregardbinoculary gazeposy averagegazey y "
+    "yp";
 // Of one eye: patterns of `keysOf`.
 constexpr std::string_view kEyesAxes =
     "EA EYEA AEYE EYEgazeA gazeEYEA gazeAEYE gazepointEYEA gazepointAEYE EYEgazepointA EporA "
-    "etgazeEYEA pointofregardEYEA EYEAcoordinate AE EpogA EYEgazepointondisplayareaA EYEeyeA";
+    "etgazeEYEA pointofregardEYEA EYEAcoordinate AE EpogA EYEgazepointondisplayareaA EYEeyeA "
+    "AgazeposEYEeye";
 constexpr std::string_view kEyesValidity =
-    "EYEgazepointvalidity validityEYE EYEvalidity EYEgazepointvalid Epogv";
+    "EYEgazepointvalidity validityEYE EYEvalidity EYEgazepointvalid Epogv validityEYEeye";
 constexpr std::string_view kEyesPupil =
     "EYEpupildiameter pupildiameterEYE pupilEYE Emappeddiameter Epupildiameter EYEpupilsize "
     "EYEpupil "
-    "Epmm";
+    "Epmm diameterpupilEYEeye";
 
 class Recogniser {
  public:
@@ -108,8 +112,8 @@ class Recogniser {
   /// so.
   std::optional<std::size_t> findPupil(std::string_view keys) const {
     const auto found = find(keys);
-    const bool tobii =
-        isTobiiStudio(names_, before_) || find("recordingtimestamp devicetimestamp").has_value();
+    const bool tobii = isTobiiStudio(names_, before_) ||
+                       find("recordingtimestamp devicetimestamp tettime").has_value();
     const bool gazepoint = found && (names_.key(*found) == "lpmm" || names_.key(*found) == "rpmm");
     return found && (tobii || gazepoint || names_.unit(*found) == "mm") ? found : std::nullopt;
   }

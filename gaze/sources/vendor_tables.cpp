@@ -1,5 +1,5 @@
 // From exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK, PyGaze, Gazepoint,
-// Pupil Core, Neon, SMI BeGaze, iMotions and GazeBase.
+// Pupil Core, Neon, SMI BeGaze, iMotions, E-Prime and GazeBase.
 
 #include <algorithm>
 #include <array>
@@ -91,7 +91,7 @@ bool isNeon(Names names, const TablePreamble&) {
   return time && names.unit(*time) == "ns" && names.find("gazex") && names.find("gazey");
 }
 
-void takeIMotions(Names, TableLayout& layout) {
+void loseMinusOne(Names, TableLayout& layout) {
   if (!layout.missing) layout.missing = -1.0;
 }
 
@@ -180,7 +180,13 @@ const Vendor kVendors[] = {
      .needs = {"etgazeleftx etgazerightx", "etgazelefty etgazerighty"},
      .units = kPx,
      .time_scale_s = 1e-3,
-     .more = takeIMotions},
+     .more = loseMinusOne},
+    {.name = "E-Prime, Tobii",
+     .needs = {"tettime", "xgazeposlefteye xgazeposrighteye", "ygazeposlefteye ygazeposrighteye"},
+     .complete = {"validitylefteye", "validityrighteye"},
+     .units = kFractions,
+     .time_scale_s = 1e-3,
+     .more = loseMinusOne},
     {.name = "GazeBase",
      .needs = {"n", "x", "y", "val", "dp"},
      .complete = {"xt", "yt", "lab"},

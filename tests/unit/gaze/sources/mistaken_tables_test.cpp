@@ -196,5 +196,21 @@ TEST(MistakenTable, RowNumbersWithoutANameAreNoField) {
             std::string::npos);
 }
 
+TEST(MistakenTable, EPrimesTablesOfTobiiHaveFractionsAndMilliseconds) {
+  const GazeTrace trace = readTrace(
+      ScratchFile("TETTime\tRTTime\tXGazePosLeftEye\tYGazePosLeftEye\tDiameterPupilLeftEye\t"
+                  "ValidityLeftEye\tXGazePosRightEye\tYGazePosRightEye\tDiameterPupilRightEye\t"
+                  "ValidityRightEye\n"
+                  "1000.5\t1\t0.25\t0.5\t3\t0\t0.75\t0.5\t3.2\t0\n"
+                  "1017.5\t2\t-1\t-1\t-1\t4\t0.75\t0.5\t3.2\t0\n")
+          .path(),
+      {}, {.size_px = {1000, 500}});
+  EXPECT_EQ(trace.format, "E-Prime, Tobii, binocular");
+  expectPoint(trace.samples[0].point_px, 500, 250);
+  EXPECT_DOUBLE_EQ(*trace.samples[0].pupil_mm, 3.1);
+  EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
+  EXPECT_NEAR(trace.samples[1].time_s - trace.samples[0].time_s, 0.017, 1e-12);
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
