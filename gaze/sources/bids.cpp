@@ -86,8 +86,9 @@ TraceColumns fromUpperLeft(TraceColumns columns, const BidsMetadata& metadata,
                            const std::string& header, const Screen& screen,
                            std::vector<std::string>& assumed) {
   const bool converts = columns.scale != glm::dvec2(1.0) || columns.offset != glm::dvec2(0.0);
-  const bool degrees = columns.units.value_or(GazeUnits::px) == GazeUnits::deg ||
-                       header.find(" [deg]") != header.npos;
+  const auto is_in = [&](const char* unit) { return header.find(unit) != header.npos; };
+  const bool degrees = columns.units.value_or(GazeUnits::px) == GazeUnits::deg || is_in(" [deg]") ||
+                       is_in(" [arcmin]") || is_in(" [mrad]") || is_in(" [rad]");
   if (converts || degrees || columns.mapped_later) return columns;
   const auto origin = originIn(metadata);
   const std::string where = metadata.files.back().string();

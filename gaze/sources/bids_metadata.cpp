@@ -121,12 +121,13 @@ std::string BidsMetadata::unitOf(const std::string& column) const {
   if (entry == physio.end() || !entry->is_object()) return {};
   const auto units = entry->find("Units");
   if (units == entry->end() || !units->is_string()) return {};
-  const std::string unit = units->get<std::string>();
-  if (std::string known = shortUnit(lowered(unit.substr(0, unit.find(' ')))); !known.empty()) {
-    return known;
+  std::string unit = lowered(units->get<std::string>().substr(0, 64));
+  std::string known = shortUnit(unit.substr(0, unit.find(' ')));
+  if (known.empty()) known = unitIn(unit);
+  for (char& c : unit) {
+    if (std::string_view("\t\n\r\"[]()").find(c) != std::string_view::npos) c = ' ';
   }
-  return unit.size() <= 16 && unit.find_first_of("\t\n\r\"[]()") == unit.npos ? unit
-                                                                              : std::string();
+  return known.empty() ? unit : known;
 }
 
 std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/trigonometric.hpp>
 #include <utility>
 
 #include "base/nearest.h"
@@ -15,18 +16,18 @@ namespace {
 constexpr std::string_view kAngles =
     "yaw pitch gazeyaw gazepitch azimuth elevation gazeazimuth gazeelevation";
 
-/// The unit in brackets. Tobii writes "DACS px", "ADCSpx", "MCSnorm": it is the end of the word.
-std::string unitIn(std::string_view inside) {
-  const std::size_t blank = inside.rfind(' ');
-  const std::string_view last = blank == std::string_view::npos ? inside : inside.substr(blank + 1);
-  if (std::string unit = shortUnit(last); !unit.empty()) return unit;
-  // Only in brackets: "x_min" is a minimum.
-  if (last == "min" || last == "minutes") return "min";
-  if (last == "h" || last == "hours") return "h";
-  for (const std::string_view unit : {"px", "norm", "mm"}) {
-    if (last.ends_with(unit)) return std::string(unit);
-  }
-  return {};
+/// What stands in brackets and is no unit, if any of its words is one of these.
+constexpr std::string_view kNoUnits =
+    "left right both eye eyes l r od os ou x y horizontal vertical raw filtered smoothed corrected "
+    "calibrated interpolated mean average avg median best combined cyclopean screen display "
+    "monitor "
+    "gaze position abs absolute";
+
+bool mayBeUnit(std::string_view inside) {
+  const auto words = wordsOf(inside, " ");
+  return !inside.empty() && inside.find_first_of("0123456789:") == inside.npos &&
+         std::ranges::none_of(words,
+                              [](std::string_view word) { return isWordOf(kNoUnits, word); });
 }
 
 /// Removes the word for fractions from a key. @return whether it was there
@@ -65,6 +66,7 @@ ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
     inside.erase(std::ranges::find_if(inside, [](char c) { return c == ']' || c == ')'; }),
                  inside.end());
     name.unit = unitIn(inside);
+    if (name.unit.empty() && mayBeUnit(inside)) name.unknown_unit = inside;
     name.of_media = inside.starts_with("mcs");
     lower.resize(bracket);
   } else if (const std::size_t at = lower.rfind('_'); at != std::string::npos && at > 0) {
@@ -87,23 +89,51 @@ ColumnNames::ColumnNames(const Place& place, const std::vector<std::string>& nam
 
 std::string shortUnit(std::string_view word) {
   static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-      {"s", "s sec second seconds"},
-      {"ms", "ms msec millisecond milliseconds"},
-      {"us", "us usec microsecond microseconds"},
-      {"ns", "ns nanosecond nanoseconds"},
+      {"s", "s sec secs second seconds"},
+      {"ms", "ms msec msecs millisecond milliseconds"},
+      {"us", "us usec usecs microsecond microseconds"},
+      {"ns", "ns nsec nsecs nanosecond nanoseconds"},
       {"px", "px pix pixel pixels"},
-      {"deg", "deg dva degree degrees"},
+      {"deg", "deg degs dva degree degrees \xc2\xb0 \xc2\xba"},
+      {"arcmin", "arcmin arcmins arcminute arcminutes"},
+      {"mrad", "mrad milliradian milliradians"},
       {"norm", "norm normalised normalized"},
       {"mm", "mm millimeter millimeters millimetre millimetres"},
       {"cm", "cm"},
       {"m", "m meter meters metre metres"},
-      {"rad", "rad radians"},
+      {"rad", "rad radian radians"},
       {"%", "% percent pct"},
       {"a.u.", "a.u. au arbitrary"}};
   for (const auto& [unit, words] : kUnits) {
     if (isWordOf(words, word)) return std::string(unit);
   }
   return {};
+}
+
+std::string unitIn(std::string_view text) {
+  const std::string_view last = text.substr(text.rfind(' ') + 1);
+  if (std::string unit = shortUnit(last); !unit.empty()) return unit;
+  // Only in brackets: "x_min" is a minimum.
+  if (last == "min" || last == "minutes") return "min";
+  if (last == "h" || last == "hours") return "h";
+  if (isWordOf("in inch inches", last)) return "in";
+  const std::string first = shortUnit(text.substr(0, text.find(' ')));
+  if (text.ends_with("visual angle") && (text.starts_with("visual") || !first.empty())) {
+    return first.empty() ? "deg" : first;
+  }
+  for (const std::string_view unit : {"px", "norm", "mm"}) {
+    if (last.ends_with(unit)) return std::string(unit);
+  }
+  return {};
+}
+
+double ColumnNames::degreesPerUnit(std::size_t column) const {
+  static const std::pair<std::string_view, double> kDegrees[] = {
+      {"arcmin", 1.0 / 60.0}, {"mrad", 1e-3 * glm::degrees(1.0)}, {"rad", glm::degrees(1.0)}};
+  for (const auto& [name, degrees] : kDegrees) {
+    if (unit(column) == name) return degrees;
+  }
+  return 1.0;
 }
 
 double ColumnNames::secondsPerUnit(std::size_t column) const {
@@ -167,7 +197,7 @@ std::optional<std::size_t> ColumnNames::find(std::string_view keys) const {
 std::optional<std::size_t> ColumnNames::findPosition(std::string_view keys) const {
   return findIf(keys, [&](std::size_t column) {
     return !names_[column].of_media &&
-           (unit(column).empty() || isWordOf("px deg norm", unit(column)));
+           (unit(column).empty() || isWordOf("px deg norm arcmin mrad rad", unit(column)));
   });
 }
 
@@ -256,7 +286,8 @@ std::string ColumnNames::otherKind() const {
     return "the rows are fixations or events: export the samples of gaze";
   }
   if (const std::string directions =
-          namesWith({"gazedirect", "gazevector", "gazedir", "gvec", "raydirection", "gazeforward"});
+          namesWith({"gazedirect", "gazevector", "gazedir", "gvec", "raydirection", "gazeforward",
+                     "leftdirection", "rightdirection"});
       !directions.empty()) {
     return "the columns " + directions +
            " are directions in space: name x, y and z in a study with gaze.direction = [...], and "
@@ -279,7 +310,6 @@ InputError ColumnNames::missing(Meaning meaning, std::string_view keys) const {
                         "gaze.time = \"#1\", gaze.x = \"#2\", gaze.y = \"#3\"");
   }
   if (const auto wrong = find(keys); wrong && meaning != Meaning::time) {
-    if (unit(*wrong) == "rad") return inRadians(*wrong);
     const std::string column = "column " + shown(texts_[*wrong]);
     return place_.error(
         names_[*wrong].of_media
@@ -311,12 +341,6 @@ InputError ColumnNames::missing(Meaning meaning, std::string_view keys) const {
       : meaning == Meaning::time ? "; if none has the time, give gaze.rate_Hz"
                                  : "";
   return place_.error(what + how + "the columns are " + all + else_where);
-}
-
-InputError ColumnNames::inRadians(std::size_t column) const {
-  return place_.error("column " + shown(texts_[column]) +
-                      " is in radians: name x and y with gaze.x and gaze.y, and give gaze.units = "
-                      "\"deg\" with gaze.scale = [57.29578, 57.29578]");
 }
 
 std::string ColumnNames::nearestTo(std::string_view wanted) const {

@@ -26,6 +26,10 @@ std::string keysOf(std::string_view pattern, std::size_t side, char axis = 'x');
 /// @param word  in lower case
 std::string shortUnit(std::string_view word);
 
+/// The same for a text in brackets: the last word, or its end ("DACS px", "ADCSpx", "MCSnorm"), or
+/// a visual angle.
+std::string unitIn(std::string_view text);
+
 /// The names of a table's columns. Each name is split into a key and a unit:
 /// "Gaze point X [DACS px]" has the key "gazepointx" and the unit "px".
 class ColumnNames {
@@ -40,13 +44,17 @@ class ColumnNames {
   std::string_view text(std::size_t column) const { return texts_[column]; }
   /// Lower-case letters and digits alone, without the unit.
   const std::string& key(std::size_t column) const { return names_[column].key; }
-  /// "s", "ms", "us", "ns", "min", "h", "px", "deg", "rad", "norm", "%", "mm", "cm", "m" or empty.
-  /// A name that contains "norm" has the unit "norm".
+  /// "s", "ms", "us", "ns", "min", "h", "px", "deg", "arcmin", "mrad", "rad", "norm", "%", "mm",
+  /// "cm", "m" or empty. A name that contains "norm" has the unit "norm".
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
+  /// Words in brackets that may be another unit, or empty.
+  const std::string& unknownUnit(std::size_t column) const { return names_[column].unknown_unit; }
+  /// Of an angle; else 1.
+  double degreesPerUnit(std::size_t column) const;
   /// Of a time; 0: its unit is none.
   double secondsPerUnit(std::size_t column) const;
   /// Whether positions are lengths or per cent, which only gaze.scale converts.
-  bool needsScale(std::size_t column) const { return isWordOf("mm cm m %", unit(column)); }
+  bool needsScale(std::size_t column) const { return isWordOf("mm cm m in %", unit(column)); }
 
   /// The column of the first key that the table has. @param keys  separated by blanks
   std::optional<std::size_t> find(std::string_view keys) const;
@@ -76,12 +84,10 @@ class ColumnNames {
   /// to name one.
   /// @param keys  the usual ones
   InputError missing(Meaning meaning, std::string_view keys) const;
-  /// The error for a position in radians: it says how to convert them.
-  InputError inRadians(std::size_t column) const;
 
  private:
   struct Name {
-    std::string key, unit;
+    std::string key, unit, unknown_unit;
     bool of_media = false;
   };
   template <class Wanted>

@@ -139,9 +139,10 @@ std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayou
       reading.why = names.isNamed(i) ? "the study states it"
                     : !layout.lacks.empty()
                         ? "likely: a column of " + layout.format + ", which lacks " + layout.lacks
-                    : !layout.isPlain()     ? "certain: a column of " + layout.format
-                    : names.unit(i).empty() ? "a guess: its name has no unit"
-                                            : "likely: its name states the unit";
+                    : !layout.isPlain()             ? "certain: a column of " + layout.format
+                    : !names.unknownUnit(i).empty() ? "a guess: its unit is unknown"
+                    : names.unit(i).empty()         ? "a guess: its name has no unit"
+                                                    : "likely: its name states the unit";
     } else {
       reading.meaning = "unused";
     }

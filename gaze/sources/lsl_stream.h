@@ -13,6 +13,7 @@ struct LslStream {
   std::string name{}, type{}, format{};
   std::size_t channels = 0;
   double rate_Hz = 0.0;                          ///< nominal; 0: irregular
+  bool of_scene_camera = false;                  ///< pixels of its image (Neon)
   std::vector<std::string> columns{"time [s]"};  ///< and the channels' labels with their units
 
   bool hasTexts() const { return format == "string" && channels > 0; }

@@ -119,6 +119,8 @@ class RowReader {
     if (layout_.headless) rows_.readNamesAsRow();
     units_stated_ = columns.units || rows.before().units || layout_.units ||
                     layout_.hasDirections() || columns.mapped_later || layout_.space;
+    judges_px_ = units_ == GazeUnits::px && !columns.units && !isInSpace() &&
+                 !columns.mapped_later && !layout_.of_scene_camera;
     if (layout_.space) {
       field_ = columns.field.value_or(EyeField{});
       screen_ = headsetScreen(fieldOfBothEyes(*field_), columns.pixels_per_degree);
@@ -379,7 +381,7 @@ class RowReader {
     if (!layout_.x && !isInSpace()) combineEyes(sample);
     if (sample.blink) sample.point_px.reset();
     head_seen_ |= sample.head.has_value();
-    if (!units_stated_ && sample.point_px) plain_.add(*sample.point_px);
+    if (judges_px_ && sample.point_px) plain_.add(*sample.point_px);
     noteEyes(sample);
   }
 
@@ -400,11 +402,16 @@ class RowReader {
                          "\"deg\" with gaze.scale = [57.29578, 57.29578])");
       }
       header.assumed.push_back("unit of the positions: px (gaze.units)");
-      if (plain_.areAroundZero()) {
-        header.warnings.push_back(
-            "a quarter of the positions or more are negative, so they may be degrees, or pixels "
-            "from the middle of the screen: give gaze.units or gaze.offset");
+      if (!layout_.unknown_unit.empty()) {
+        header.warnings.push_back("column " + shown(layout_.unknown_unit) +
+                                  " has an unknown unit: expected px, deg or fractions of the "
+                                  "screen; gaze.scale converts it to gaze.units");
       }
+    }
+    if (plain_.areAroundZero()) {
+      header.warnings.push_back(
+          "a quarter of the positions or more are negative, so they may be degrees, or pixels "
+          "from the middle of the screen: give gaze.units or gaze.offset");
     }
     if (broken_) {
       header.warnings.emplace_back(kCutOff);
@@ -484,6 +491,7 @@ class RowReader {
   Cyclopean cyclopean_{};
   PlainPositions plain_{};
   bool units_stated_ = false;        // by the user, the file or its format
+  bool judges_px_ = false;           // positions are pixels, but the user does not say so
   std::optional<EyeField> field_{};  // of a headset
   bool head_seen_ = false, resolution_known_ = false;
   bool nominal_ = false;  // `kNominalScreen` stands in

@@ -227,6 +227,20 @@ void TextRows::readNamesAsRow() {
   held_.insert(held_.begin(), {.text = header_, .number = number_});
 }
 
+void TextRows::nameRowNumbers() {
+  constexpr std::size_t kEnoughRows = 64;
+  double last = -1.0;
+  bool are_numbers = true;
+  survey(kEnoughRows, [&] {
+    const double number = size() == names_.size() + 1 ? parseNumber(text(0)).value_or(-1.0) : -1.0;
+    are_numbers = are_numbers && number > last && number == std::floor(number);
+    last = number;
+  });
+  // R writes them in quotes, pandas below blanks.
+  const bool are_set_off = !held_.empty() && (held_[0].text[0] == '"' || header_[0] == ' ');
+  if (are_numbers && are_set_off) names_.insert(names_.begin(), "");
+}
+
 bool TextRows::readLine(std::string_view& line) {
   while (lines_.next(line)) {
     if (trimmed(line).empty()) continue;
@@ -349,9 +363,9 @@ InputError NamedTable::unexpected(std::size_t column, double low, double high) c
 }
 
 NumberRows::NumberRows(std::string source, std::vector<std::string> names,
-                       std::vector<double> values, std::optional<double> rate_Hz)
+                       std::vector<double> values, const TablePreamble& before)
     : values_(std::move(values)) {
-  before_.rate_Hz = rate_Hz;
+  before_ = before;
   source_ = std::move(source);
   names_ = std::move(names);
 }

@@ -27,6 +27,7 @@ struct TablePreamble {
   bool smi = false;                 ///< the file begins like those of SMI's BeGaze or IDF Converter
   std::optional<char> separator{};  ///< between fields, as a first line `sep=;` states it
   bool tobii_studio = false;        ///< the file begins like those of Tobii Studio 1 and 2
+  bool of_scene_camera = false;     ///< the positions
 };
 
 /// "px", "deg", "normalised", "relative" and their usual synonyms.
@@ -75,6 +76,9 @@ class Rows : public Place {
 
   /// The line of names is a row itself. Call before `next`.
   virtual void readNamesAsRow() {}
+  /// Gives a column of row numbers without a name, as R's write.table and pandas' to_string write
+  /// it, an empty name. Call before `names`.
+  virtual void nameRowNumbers() {}
 
   /// Only the first `columns` fields of a row are needed.
   void limitTo(std::size_t columns) { used_ = columns; }
@@ -172,6 +176,7 @@ class TextRows final : public Rows {
   bool next() override;
   void survey(std::size_t most, const std::function<void()>& visit) override;
   void readNamesAsRow() override;
+  void nameRowNumbers() override;
   InputError error(const std::string& what) const override;
 
  private:
@@ -245,9 +250,9 @@ class NumberRows final : public Rows {
   /// @param source  of the numbers, for errors
   /// @param names   of the columns, with units
   /// @param values  row after row; NaN: absent
-  /// @param rate_Hz that the source states
+  /// @param before  what the source states
   NumberRows(std::string source, std::vector<std::string> names, std::vector<double> values,
-             std::optional<double> rate_Hz = {});
+             const TablePreamble& before = {});
 
   bool next() override;
   void survey(std::size_t most, const std::function<void()>& visit) override;

@@ -29,6 +29,7 @@ struct SpaceVendor {
   std::string_view origin{}, validity{}, pupil_mm{}, time{}, depth{};
   bool millimetres = false, radians = false, tangents = false, yaw_to_left = false;
   bool needs_both = true, needs_origin = true;
+  bool (*is)(const ColumnNames&) = nullptr;  ///< instead of origins
   ValidityCode code = ValidityCode::below_two;
   double time_scale_s = 0.0;  ///< 0: as its name says
 };
@@ -69,7 +70,8 @@ const SpaceVendor kSpaceVendors[] = {{.name = "Project Aria",
                                       .origin = "pupilpositionEYEA",
                                       .validity = "validityEYE",
                                       .pupil_mm = "pupildiameterEYE",
-                                      .millimetres = true},
+                                      .millimetres = true,
+                                      .is = isOfProGlasses},
                                      {.name = "GazeBaseVR",
                                       .axes = "right-up-forward",
                                       .needs = "n",
@@ -105,9 +107,8 @@ std::optional<SpaceLayout> sightsOf(const SpaceVendor& vendor, const ColumnNames
     sight.direction = names.findTriple(vendor.direction, side);
     sight.angles = anglesOf(names, vendor.angles, side);
     if (sight.hasSight()) sight.origin = names.findTriple(vendor.origin, side);
-    if ((vendor.needs_both && !sight.hasSight()) || (vendor.needs_origin && !sight.origin)) {
-      return std::nullopt;
-    }
+    const bool is_sure = sight.origin || !vendor.needs_origin || (vendor.is && vendor.is(names));
+    if ((vendor.needs_both && !sight.hasSight()) || !is_sure) return std::nullopt;
     sight.validity = columnOf(names, vendor.validity, side);
   }
   if (vendor.needs_both || !space.hasSight()) {

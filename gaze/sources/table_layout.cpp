@@ -14,29 +14,33 @@ namespace foci {
 namespace {
 
 constexpr std::string_view kTimes =
-    "time timestamp t sampletime recordingtimestamp gazetimestamp devicetimestamp recordingtime n";
+    "time timestamp t sampletime recordingtimestamp gazetimestamp devicetimestamp recordingtime "
+    "tettime n";
 // A plain "x" is last: beside "gaze_x" it is the place of something else.
 constexpr std::string_view kXs =
-    "gazex xgaze gazepointx xcoordinate porx bporx pointofregardbinocularx xp x";
+    "gazex xgaze gazepointx xcoordinate porx bporx pointofregardbinocularx gazeposx averagegazex x "
+    "xp";
 constexpr std::string_view kYs =
-    "gazey ygaze gazepointy ycoordinate pory bpory pointofregardbinoculary yp y";
+    "gazey ygaze gazepointy ycoordinate pory bpory pointofregardbinoculary gazeposy averagegazey y "
+    "yp";
 // Of one eye: patterns of `keysOf`. One letter for the eye is last: "rx" may be a rotation.
 constexpr std::string_view kEyesAxes =
     "EYEA AEYE EYEgazeA gazeEYEA gazeAEYE gazepointEYEA gazepointAEYE EYEgazepointA EporA "
-    "etgazeEYEA pointofregardEYEA EYEAcoordinate EpogA EYEgazepointondisplayareaA EYEeyeA gAEYE "
-    "ApE EA AE";
+    "etgazeEYEA pointofregardEYEA EYEAcoordinate EpogA EYEgazepointondisplayareaA EYEeyeA "
+    "AgazeposEYEeye gAEYE ApE EA AE";
 constexpr std::string_view kEyesValidity =
-    "EYEgazepointvalidity validityEYE EYEvalidity EYEgazepointvalid Epogv";
+    "EYEgazepointvalidity validityEYE EYEvalidity EYEgazepointvalid Epogv validityEYEeye";
 constexpr std::string_view kEyesPupil =
     "EYEpupildiameter pupildiameterEYE pupilEYE Emappeddiameter Epupildiameter EYEpupilsize "
     "EYEpupil "
-    "Epmm";
+    "Epmm diameterpupilEYEeye";
 
 class Recogniser {
  public:
   Recogniser(Rows& rows, const TraceColumns& columns)
       : rows_(rows), given_(columns), before_(rows.before()), names_(rows, rows.names()) {
     const char between = rows.delimiter();
+    layout_.of_scene_camera = before_.of_scene_camera;
     layout_.names = names_.size();
     layout_.format = rows.areNumbers() || between == '\t' ? "TSV" : between == ' ' ? "text" : "CSV";
   }
@@ -109,8 +113,8 @@ class Recogniser {
   /// so.
   std::optional<std::size_t> findPupil(std::string_view keys) const {
     const auto found = find(keys);
-    const bool tobii =
-        isTobiiStudio(names_, before_) || find("recordingtimestamp devicetimestamp").has_value();
+    const bool tobii = isTobiiStudio(names_, before_) ||
+                       find("recordingtimestamp devicetimestamp tettime").has_value();
     const bool gazepoint = found && (names_.key(*found) == "lpmm" || names_.key(*found) == "rpmm");
     return found && (tobii || gazepoint || names_.unit(*found) == "mm") ? found : std::nullopt;
   }
@@ -155,6 +159,9 @@ class Recogniser {
       }
       eye.origin_mm = names_.findTriple(origin, side);
       eye.direction = names_.findTriple(direction, side);
+      // As docs/calibration.md names them. Others do not tell their axes and their frame.
+      const bool in_mm = eye.origin_mm && names_.unit((*eye.origin_mm)[0]) == "mm";
+      if (eye.direction && !layout_.camera_axes && !in_mm) eye.direction = eye.origin_mm = {};
       eye.sight_mm = names_.findTriple("EYEgazepointinusercoordinatesystemA", side);
     }
   }
@@ -227,13 +234,18 @@ class Recogniser {
   void takeUnits(const std::optional<std::size_t>& column) {
     if (!column) return;
     const std::string& unit = names_.unit(*column);
-    if (unit == "rad" && !given_.units && !given_.mapped_later) throw names_.inRadians(*column);
     if (names_.needsScale(*column) && !given_.units && !given_.mapped_later) {
       throw rows_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
                         ": expected px, deg or fractions of the screen; gaze.scale converts it "
                         "to gaze.units");
     }
     layout_.units = unitsNamed(unit);
+    if (given_.units || given_.mapped_later) return;
+    const double degrees = names_.degreesPerUnit(*column);
+    if (degrees != 1.0) layout_.units = GazeUnits::deg;
+    // The study's own scale, other than of signs, replaces that of the unit.
+    if (glm::abs(given_.scale) == glm::dvec2(1.0)) layout_.scale = degrees;
+    if (!names_.unknownUnit(*column).empty()) layout_.unknown_unit = names_.text(*column);
   }
 
   /// Lines of sight and heads, as the study names them; of the rest, the pupils.
@@ -463,6 +475,7 @@ bool TableLayout::isFilled(const Rows& row, bool with_rating) const {
 }
 
 TableLayout recogniseTable(Rows& rows, const TraceColumns& columns) {
+  rows.nameRowNumbers();
   return Recogniser(rows, columns).recognise();
 }
 

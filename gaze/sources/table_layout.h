@@ -111,9 +111,11 @@ struct TableLayout {
   std::optional<std::size_t> resolution{};             ///< the same in one field, "1920 x 1080"
   SampleRows rows{};
   std::optional<GazeUnits> units{};  ///< from the columns' names
+  double scale = 1.0;                ///< `units` per unit of the columns
+  std::string unknown_unit{};        ///< the column of x, if its name has one
   bool y_up = false;                 ///< fractions count from the bottom-left corner (Pupil Core)
   bool size_off_is_absent = false;   ///< the point (-width, -height) means data loss (Tobii Studio)
-  bool of_scene_camera = false;      ///< of a camera on the head (Pupil Core, Neon)
+  bool of_scene_camera = false;      ///< of a camera on the head (Pupil Core, Neon, glasses)
   bool camera_axes = false;          ///< origins and directions have y down, z forward (Pupil Core)
   bool sights_beside = false;        ///< directions are not the gaze: axes of the eyes (Neon)
   bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI, Tobii Studio)
@@ -169,6 +171,9 @@ void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
 /// where they have positions, and one position is a code for data loss.
 /// @param layout  with the vendor's code
 void judgeValidity(Rows& rows, TableLayout& layout);
+
+/// Whether a table of Tobii Pro Lab is of glasses: by columns that those of screens lack.
+bool isOfProGlasses(const ColumnNames& names);
 
 /// Whether the table is of Tobii Studio, which writes names without blanks. Pro Lab writes blanks.
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before);

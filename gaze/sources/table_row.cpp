@@ -37,7 +37,7 @@ std::optional<double> TableRow::coordinate(std::size_t column, std::string_view 
                            : kFarthestGaze_px / glm::max(screen_.size_px.x, screen_.size_px.y);
   commas_.note(rows_, column, text, static_cast<std::size_t>(axis), number);
   if (isMissing(number)) return std::nullopt;
-  const double value = given_.scale[axis] * number + given_.offset[axis];
+  const double value = given_.scale[axis] * layout_.scale * number + given_.offset[axis];
   if (std::abs(value) > limit)
     fail(column, "too far from any screen; is it gaze.missing, or gaze.units wrong?");
   return value;
@@ -216,8 +216,12 @@ std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& ey
 
 bool TableRow::isValid(std::size_t column) const {
   const auto value = number(column);
-  if (!value)
-    return equalsIgnoringCase(field(column), "valid") || equalsIgnoringCase(field(column), "true");
+  if (!value) {
+    const std::string word = lowered(field(column));
+    if (word == "valid" || word == "true") return true;
+    if (isAbsent(column) || word == "invalid" || word == "false") return false;
+    fail(column, "expected a number, or Valid or Invalid, or True or False");
+  }
   switch (layout_.validity_code) {
     case ValidityCode::one:
       return *value == 1.0;

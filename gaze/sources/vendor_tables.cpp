@@ -1,5 +1,5 @@
 // From exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK, PyGaze, Gazepoint,
-// Pupil Core, Neon, SMI BeGaze, iMotions and GazeBase.
+// Pupil Core, Neon, SMI BeGaze, iMotions, E-Prime and GazeBase.
 
 #include <algorithm>
 #include <array>
@@ -44,6 +44,7 @@ void takeGazepoint(Names names, TableLayout& layout) {
 
 /// Rows of the mouse and of events lie between those of the eye tracker.
 void takeProLab(Names names, TableLayout& layout) {
+  layout.of_scene_camera |= isOfProGlasses(names);
   layout.width_px = names.find("recordingresolutionwidth");
   layout.height_px = names.find("recordingresolutionheight");
   layout.rows = names.find("sensor")
@@ -61,8 +62,10 @@ void takeStudio(Names names, TableLayout& layout) {
       "gazepointxright");
 }
 
-/// Messages and the separators of trials lie between the samples.
+/// Messages and the separators of trials lie between the samples. Those of glasses have the time in
+/// the video of the scene.
 void takeSmi(Names names, TableLayout& layout) {
+  layout.of_scene_camera |= names.find("videotime") && names.find("pointofregardbinocularx");
   if (const auto type = names.find("type")) {
     layout.rows = {.column = type, .only = "SMP"};
   } else {
@@ -88,7 +91,7 @@ bool isNeon(Names names, const TablePreamble&) {
   return time && names.unit(*time) == "ns" && names.find("gazex") && names.find("gazey");
 }
 
-void takeIMotions(Names, TableLayout& layout) {
+void loseMinusOne(Names, TableLayout& layout) {
   if (!layout.missing) layout.missing = -1.0;
 }
 
@@ -177,7 +180,13 @@ const Vendor kVendors[] = {
      .needs = {"etgazeleftx etgazerightx", "etgazelefty etgazerighty"},
      .units = kPx,
      .time_scale_s = 1e-3,
-     .more = takeIMotions},
+     .more = loseMinusOne},
+    {.name = "E-Prime, Tobii",
+     .needs = {"tettime", "xgazeposlefteye xgazeposrighteye", "ygazeposlefteye ygazeposrighteye"},
+     .complete = {"validitylefteye", "validityrighteye"},
+     .units = kFractions,
+     .time_scale_s = 1e-3,
+     .more = loseMinusOne},
     {.name = "GazeBase",
      .needs = {"n", "x", "y", "val", "dp"},
      .complete = {"xt", "yt", "lab"},
@@ -186,12 +195,13 @@ const Vendor kVendors[] = {
      .code = ValidityCode::zero,
      .validity = "val"}};
 
-/// Rows by an eye's validity and by whether it has a position.
+/// Rows by an eye's validity and by whether it has a position. One that is kept tells nothing.
 struct ValidityCounts {
   std::array<std::size_t, 2> good{}, lost{};  // of the values 0 and 1
   std::size_t others = 0;                     // of another value
+  std::array<std::optional<double>, 2> last_x{}, last_y{};
 
-  void add(const Rows& rows, const EyeColumns& eye) {
+  void add(const Rows& rows, const EyeColumns& eye, std::size_t side) {
     if (!eye.validity || !eye.x || !eye.y) return;
     if (std::max({*eye.validity, *eye.x, *eye.y}) >= rows.size()) return;
     const auto value = rows.number(*eye.validity);
@@ -199,10 +209,13 @@ struct ValidityCounts {
     const auto x = parseNumber(rows.text(*eye.x)), y = parseNumber(rows.text(*eye.y));
     if (*value != 0.0 && *value != 1.0) {
       ++others;
-    } else {
-      const bool is_lost = !x || !y || (*x == *y && *x <= 0.0);
-      ++(is_lost ? lost : good)[*value == 1.0];
+    } else if (!x || !y || (*x == *y && *x <= 0.0)) {
+      ++lost[*value == 1.0];
+    } else if (x != last_x[side] || y != last_y[side]) {
+      ++good[*value == 1.0];
     }
+    last_x[side] = x;
+    last_y[side] = y;
   }
 };
 
@@ -215,22 +228,33 @@ bool isOf(const Vendor& vendor, Names names, const TablePreamble& before) {
 
 }  // namespace
 
+bool isOfProGlasses(const ColumnNames& names) {
+  return names.find(
+             "recordingmediawidth recordingmedianame gazepoint3dx gazepoint3dleftx "
+             "pupilpositionleftx gyrox accelerometerx") &&
+         !names.find("recordingresolutionwidth presentedmedianame presentedstimulusname");
+}
+
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
   const auto time = names.find("recordingtimestamp");
   const bool version3 = time && names.text(*time).find(' ') == std::string_view::npos &&
                         names.find("gazepointx gazepointleftx");
   return before.tobii_studio || version3 ||
          (names.find("gazepointxleft") && names.find("gazepointyleft") &&
-          names.find("camxleft distanceleft validityleft"));
+          names.find("camxleft distanceleft number"));
 }
 
 void judgeValidity(Rows& rows, TableLayout& layout) {
   constexpr std::size_t kEnough = 20, kMostly = 9;
   if (!layout.eyes[0].validity && !layout.eyes[1].validity) return;
-  ValidityCounts seen;
-  rows.survey(kSurveyedRows, [&] {
-    for (const EyeColumns& eye : layout.eyes) seen.add(rows, eye);
-  });
+  const auto countIn = [&](std::size_t most) {
+    ValidityCounts seen;
+    rows.survey(most, [&] {
+      for (const std::size_t side : {0, 1}) seen.add(rows, layout.eyes[side], side);
+    });
+    return seen;
+  };
+  ValidityCounts seen = countIn(kSurveyedRows);
   const ValidityCode stated = layout.validity_code;
   if (seen.good[0] + seen.good[1] < kEnough) return;
   if (stated == ValidityCode::below_two && seen.others == 0) {
@@ -240,6 +264,9 @@ void judgeValidity(Rows& rows, TableLayout& layout) {
       layout.validity_code = ValidityCode::zero;
     }
   } else if (stated == ValidityCode::one && seen.good[0] >= kMostly * seen.good[1]) {
+    // Against the vendor's code, all rows must tell, up to some megabytes.
+    seen = countIn(SIZE_MAX);
+    if (seen.good[0] < kMostly * seen.good[1] || seen.good[1] >= kEnough) return;
     layout.validity_code = seen.others > 0 ? ValidityCode::below_two : ValidityCode::zero;
   }
   if (layout.validity_code == stated) return;

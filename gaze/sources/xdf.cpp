@@ -111,7 +111,7 @@ std::string channelName(std::string_view channel, std::size_t number) {
   }
   if (name.empty()) name = "channel" + std::to_string(number + 1);
   std::string unit = plain(element(channel, "unit"));
-  if (std::string known = shortUnit(lowered(unit)); !known.empty()) unit = std::move(known);
+  if (std::string known = unitIn(lowered(unit)); !known.empty()) unit = std::move(known);
   const bool stated = unit == "norm" && name.find("norm") != name.npos;
   if (stated || unit.find_first_of("[]()") != unit.npos || name.find_first_of("[(") != name.npos) {
     unit = {};
@@ -318,7 +318,8 @@ TraceHeader readXdf(const RecordingFile& file, const Screen& fallback_screen,
     values.insert(values.end(), row, row + static_cast<std::ptrdiff_t>(stream.channels));
   }
   NumberRows rows(file.path().string(), stream.columns, std::move(values),
-                  stream.rate_Hz > 0.0 ? std::optional(stream.rate_Hz) : std::nullopt);
+                  {.rate_Hz = stream.rate_Hz > 0.0 ? std::optional(stream.rate_Hz) : std::nullopt,
+                   .of_scene_camera = stream.of_scene_camera});
   TraceHeader header = readRows(rows, file.columns(), fallback_screen, take);
   header.format = "XDF, stream " + shown(stream.name) + ", " + header.format;
   header.markers = std::move(markers);
@@ -355,6 +356,8 @@ LslStream lslStreamOf(std::string_view xml, const std::string& file) {
   }
   stream.channels = static_cast<std::size_t>(*channels);
   stream.rate_Hz = parseNumber(element(xml, "nominal_srate")).value_or(0.0);
+  stream.of_scene_camera =
+      stream.name.ends_with("Neon Gaze") || xml.find("<coordinate_system>image-space<") != xml.npos;
   std::string_view rest = element(xml, "channels");
   std::vector<std::string> names, eyes;
   for (std::size_t i = 0; i < stream.channels; ++i) {

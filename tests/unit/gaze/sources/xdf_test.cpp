@@ -339,6 +339,28 @@ TEST(Xdf, ChannelsOfOneLabelAreThoseOfTheirEyes) {
   EXPECT_EQ(trace.samples[5].eyes[1].pupil_mm, 4.0);
 }
 
+TEST(Xdf, NeonsPixelsAreThoseOfItsSceneCamera) {
+  const auto channels = [](const std::string& space) {
+    std::string text;
+    for (const char* label : {"x", "y"}) {
+      text.append("<channel><label>").append(label).append("</label><unit>pixels</unit>") +=
+          "<coordinate_system>" + space + "</coordinate_system></channel>";
+    }
+    return text;
+  };
+  const auto warnings = [&](const std::string& name, const std::string& space) {
+    return readBytes("XDF:" + header(7, name, "Gaze", "float32", channels(space), 2) +
+                     gazeChunk(trueTimes(64)))
+        .warnings;
+  };
+  const auto of_camera = [](const std::string& warning) {
+    return warning.find("scene camera") != std::string::npos;
+  };
+  EXPECT_TRUE(std::ranges::any_of(warnings("Phone_Neon Gaze", ""), of_camera));
+  EXPECT_TRUE(std::ranges::any_of(warnings("Tracker", "image-space"), of_camera));
+  EXPECT_FALSE(std::ranges::any_of(warnings("Tracker", ""), of_camera));
+}
+
 TEST(Xdf, AFileThatIsCutOffHasItsFirstSamples) {
   const std::string before = gazeHeader() + gazeChunk(trueTimes(100));
   const std::string whole = before + gazeChunk(trueTimes(100, 1.0));
