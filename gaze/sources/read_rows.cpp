@@ -463,7 +463,8 @@ class RowReader {
           " = " + quotedText(watched.values.front()) + " }");
     }
     if (!layout_.validity_note.empty()) {
-      (layout_.isPlain() ? header.assumed : header.warnings).push_back(layout_.validity_note);
+      const bool is_sure = layout_.isPlain() && layout_.validity_code != ValidityCode::below_two;
+      (is_sure ? header.assumed : header.warnings).push_back(layout_.validity_note);
     }
     const RowGroups& groups = layout_.groups;
     if (foreign_ > 0) {

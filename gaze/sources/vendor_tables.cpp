@@ -269,7 +269,14 @@ void judgeValidity(Rows& rows, TableLayout& layout) {
     if (seen.good[0] < kMostly * seen.good[1] || seen.good[1] >= kEnough) return;
     layout.validity_code = seen.others > 0 ? ValidityCode::below_two : ValidityCode::zero;
   }
-  if (layout.validity_code == stated) return;
+  if (layout.validity_code == stated) {
+    if (layout.isPlain() && seen.others == 0 && std::min(seen.good[0], seen.good[1]) >= kEnough) {
+      layout.validity_note =
+          "validity of an eye is 0 or 1, and positions do not show which is good: both count; give "
+          "gaze.confidence (1 is good) or gaze.blink (0 is good)";
+    }
+    return;
+  }
   layout.validity_note = std::string("validity of an eye: ") +
                          (layout.validity_code == ValidityCode::one ? "1 is valid and 0 is lost"
                                                                     : "0 is valid and 1 is lost") +

@@ -231,6 +231,10 @@ std::vector<Mistake> lossesAndText() {
   const auto blinks = [](const Row& row) {
     return std::vector<double>{row.time_s, row.x, row.y, std::floor(row.time_s / 5.0)};
   };
+  const auto rated = [](const Row& row) {
+    const double good = row.number % 100 < 14 ? 0.0 : 1.0;
+    return std::vector<double>{row.time_s, row.x, row.y, good, row.x, row.y, good};
+  };
   const auto onlyOne = [](const Row& row) {
     return std::vector<double>{row.time_s, row.x, row.y, row.time_s > 11.0 ? 1.0 : 0.0};
   };
@@ -271,6 +275,9 @@ std::vector<Mistake> lossesAndText() {
        "of the left eye"},
       {"a counter of blinks", saidAbout(table(kXy + ",blink", blinks)), "gaze.blink"},
       {"a counter of one blink", saidAbout(table(kXy + ",blink", onlyOne)), "gaze.blink"},
+      {"validity that may be either",
+       saidAbout(table("time_s,left_x,left_y,left_validity,right_x,right_y,right_validity", rated)),
+       "gaze.confidence"},
       {"a blink of one eye", saidAbout(table(kXy + ",left_blink", with(0.0))), "gaze.blink"},
       {"confidence, abridged", saidAbout(table(kXy + ",conf", with(1.0))), "gaze.confidence"},
       {"1e8 for loss", saidAbout(table(kXy, coded(1e8))), "gaze.missing"},
