@@ -122,11 +122,12 @@ std::string BidsMetadata::unitOf(const std::string& column) const {
   const auto units = entry->find("Units");
   if (units == entry->end() || !units->is_string()) return {};
   std::string unit = lowered(units->get<std::string>().substr(0, 64));
-  std::string known = shortUnit(unit.substr(0, unit.find(' ')));
-  if (known.empty()) known = unitIn(unit);
   for (char& c : unit) {
     if (std::string_view("\t\n\r\"[]()").find(c) != std::string_view::npos) c = ' ';
   }
+  unit = trimmed(unit);
+  std::string known = shortUnit(unit.substr(0, unit.find(' ')));
+  if (known.empty()) known = unitIn(unit);
   return known.empty() ? unit : known;
 }
 

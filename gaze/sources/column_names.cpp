@@ -25,7 +25,7 @@ constexpr std::string_view kNoUnits =
 
 bool mayBeUnit(std::string_view inside) {
   const auto words = wordsOf(inside, " ");
-  return !inside.empty() && inside.find_first_of("0123456789:") == inside.npos &&
+  return !isAbsent(inside) && inside.find_first_of("0123456789:") == inside.npos &&
          std::ranges::none_of(words,
                               [](std::string_view word) { return isWordOf(kNoUnits, word); });
 }
@@ -287,7 +287,7 @@ std::string ColumnNames::otherKind() const {
   }
   if (const std::string directions =
           namesWith({"gazedirect", "gazevector", "gazedir", "gvec", "raydirection", "gazeforward",
-                     "leftdirection", "rightdirection"});
+                     "leftdirection", "rightdirection", "eyedir"});
       !directions.empty()) {
     return "the columns " + directions +
            " are directions in space: name x, y and z in a study with gaze.direction = [...], and "

@@ -113,8 +113,8 @@ void splitFields(std::string_view line, char delimiter, std::vector<std::string_
   }
 }
 
-void splitWords(std::string_view line, std::vector<std::string_view>& words,
-                std::size_t max_words) {
+void splitWords(std::string_view line, std::vector<std::string_view>& words, std::size_t max_words,
+                bool with_quotes) {
   words.clear();
   std::size_t at = 0;
   while (at < line.size() && words.size() < max_words) {
@@ -123,6 +123,12 @@ void splitWords(std::string_view line, std::vector<std::string_view>& words,
       continue;
     }
     const std::size_t from = at;
+    const std::size_t quote = with_quotes && line[at] == '"' ? line.find('"', at + 1) : line.npos;
+    if (quote != line.npos) {
+      words.push_back(line.substr(at + 1, quote - at - 1));
+      at = quote + 1;
+      continue;
+    }
     while (at < line.size() && !isBlank(line[at])) ++at;
     words.push_back(line.substr(from, at - from));
   }
@@ -131,7 +137,7 @@ void splitWords(std::string_view line, std::vector<std::string_view>& words,
 void splitRow(std::string_view line, char delimiter, std::vector<std::string_view>& fields,
               std::size_t max_fields) {
   if (delimiter == ' ') {
-    splitWords(line, fields, max_fields);
+    splitWords(line, fields, max_fields, true);
   } else {
     splitFields(line, delimiter, fields, max_fields);
   }

@@ -101,8 +101,9 @@ void splitFields(std::string_view line, char delimiter, std::vector<std::string_
                  std::size_t max_fields = kAllFields);
 
 /// Splits a line at runs of blanks and tabs. Parameters as `splitFields`.
+/// @param with_quotes  what stands in quotes is one word
 void splitWords(std::string_view line, std::vector<std::string_view>& words,
-                std::size_t max_words = kAllFields);
+                std::size_t max_words = kAllFields, bool with_quotes = false);
 
 /// `splitWords` if the delimiter is a blank, else `splitFields`.
 void splitRow(std::string_view line, char delimiter, std::vector<std::string_view>& fields,

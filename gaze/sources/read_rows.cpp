@@ -119,8 +119,7 @@ class RowReader {
     if (layout_.headless) rows_.readNamesAsRow();
     units_stated_ = columns.units || rows.before().units || layout_.units ||
                     layout_.hasDirections() || columns.mapped_later || layout_.space;
-    judges_px_ = units_ == GazeUnits::px && !columns.units && !isInSpace() &&
-                 !columns.mapped_later && !layout_.of_scene_camera;
+    judges_px_ = units_ == GazeUnits::px && !columns.units && !isInSpace() && !columns.mapped_later;
     if (layout_.space) {
       field_ = columns.field.value_or(EyeField{});
       screen_ = headsetScreen(fieldOfBothEyes(*field_), columns.pixels_per_degree);
@@ -404,8 +403,8 @@ class RowReader {
       header.assumed.push_back("unit of the positions: px (gaze.units)");
       if (!layout_.unknown_unit.empty()) {
         header.warnings.push_back("column " + shown(layout_.unknown_unit) +
-                                  " has an unknown unit: expected px, deg or fractions of the "
-                                  "screen; gaze.scale converts it to gaze.units");
+                                  " has an unknown unit, taken for px: gaze.scale converts it to "
+                                  "gaze.units");
       }
     }
     if (plain_.areAroundZero()) {

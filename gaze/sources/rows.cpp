@@ -232,12 +232,14 @@ void TextRows::nameRowNumbers() {
   double last = -1.0;
   bool are_numbers = true;
   survey(kEnoughRows, [&] {
-    const double number = size() == names_.size() + 1 ? parseNumber(text(0)).value_or(-1.0) : -1.0;
+    const bool is_longer = sizeUpToText(names_.size()) == names_.size() + 1;
+    const double number = is_longer ? parseNumber(text(0)).value_or(-1.0) : -1.0;
     are_numbers = are_numbers && number > last && number == std::floor(number);
     last = number;
   });
   // R writes them in quotes, pandas below blanks.
-  const bool are_set_off = !held_.empty() && (held_[0].text[0] == '"' || header_[0] == ' ');
+  const bool are_set_off =
+      !held_.empty() && (held_[0].text[0] == '"' || (delimiter_ == ' ' && header_[0] == ' '));
   if (are_numbers && are_set_off) names_.insert(names_.begin(), "");
 }
 

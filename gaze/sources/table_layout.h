@@ -172,7 +172,8 @@ void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
 /// @param layout  with the vendor's code
 void judgeValidity(Rows& rows, TableLayout& layout);
 
-/// Whether a table of Tobii Pro Lab is of glasses: by columns that those of screens lack.
+/// Whether a table of Tobii Pro Lab is of glasses: by columns that those of screens
+/// lack, or in the frame of the head unit (HUCS).
 bool isOfProGlasses(const ColumnNames& names);
 
 /// Whether the table is of Tobii Studio, which writes names without blanks. Pro Lab writes blanks.

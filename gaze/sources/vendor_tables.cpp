@@ -229,10 +229,14 @@ bool isOf(const Vendor& vendor, Names names, const TablePreamble& before) {
 }  // namespace
 
 bool isOfProGlasses(const ColumnNames& names) {
-  return names.find(
-             "recordingmediawidth recordingmedianame gazepoint3dx gazepoint3dleftx "
-             "pupilpositionleftx gyrox accelerometerx") &&
-         !names.find("recordingresolutionwidth presentedmedianame presentedstimulusname");
+  bool in_head = false;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    in_head |= names.text(i).find("[HUCS") != std::string_view::npos;
+  }
+  return in_head ||
+         (names.find("recordingmediawidth recordingmedianame gazepoint3dx gazepoint3dleftx "
+                     "pupilpositionleftx gyrox accelerometerx") &&
+          !names.find("recordingresolutionwidth presentedmedianame presentedstimulusname"));
 }
 
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {

@@ -86,7 +86,8 @@ TEST_F(Origin, IsALeftCornerOfTheScreen) {
   EXPECT_EQ(point(recording(R"(["bottom", "left"])", "normalized")), glm::dvec2(250, 437.5));
   EXPECT_EQ(refusal(recording(R"(["bottom", "left"])", "degree")), "not refused");
   const glm::dvec2 in_degrees = point(recording(R"(["bottom", "left"])", "degree"));
-  for (const char* unit : {"visual angle", "deg (visual angle)", "\xc2\xb0"}) {
+  for (const char* unit :
+       {"visual angle", "deg (visual angle)", "Visual angle (deg)", "\xc2\xb0"}) {
     EXPECT_EQ(point(recording(R"(["bottom", "left"])", unit)), in_degrees) << unit;
   }
   EXPECT_EQ(point(recording(R"(["bottom", "right"])")), glm::dvec2(999.75, 499.875));

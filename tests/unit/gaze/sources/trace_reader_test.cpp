@@ -284,17 +284,17 @@ TEST(ReadTable, ALineBreakInQuotesIsNamed) {
   EXPECT_EQ(refusal("time_s,x,y\n0,1\n").find("quote"), std::string::npos);
 }
 
-TEST(ReadTable, RadiansNeedAScale) {
-  const std::string rows = "\n0,0.1,0.1\n0.01,0.1,0.2\n",
-                    way_out = "gaze.scale = [57.29578, 57.29578]";
-  expectRefusal("time_s,x_rad,y_rad" + rows, way_out);
-  expectRefusal("time_s,a_rad,b_rad" + rows, way_out, {.x = "a_rad", .y = "b_rad"});
-  expectRefusal("time_s,x,y" + rows, way_out);
-  const TraceColumns columns{.units = GazeUnits::deg, .scale = glm::dvec2(57.29578)};
-  const GazeTrace trace =
-      readTrace(ScratchFile("time_s,x_rad,y_rad" + rows).path(), columns, kScreen);
-  const glm::dvec2 second_deg = eccentricity_deg(kScreen, *trace.samples[1].point_px);
-  EXPECT_LT(glm::distance(second_deg, glm::degrees(glm::dvec2(0.1, 0.2))), 1e-6);
+TEST(ReadTable, RadiansNeedTheirNameOrAScale) {
+  const std::string rows = "\n0,0.1,0.1\n0.01,0.1,0.2\n";
+  const auto expectRead = [&](const std::string& header, const TraceColumns& columns) {
+    const GazeTrace trace = readTrace(ScratchFile(header + rows).path(), columns, kScreen);
+    const glm::dvec2 second_deg = eccentricity_deg(kScreen, *trace.samples[1].point_px);
+    EXPECT_LT(glm::distance(second_deg, glm::degrees(glm::dvec2(0.1, 0.2))), 1e-6) << header;
+  };
+  expectRead("time_s,x_rad,y_rad", {});
+  expectRead("time_s,a_rad,b_rad", {.x = "a_rad", .y = "b_rad"});
+  expectRead("time_s,x_rad,y_rad", {.units = GazeUnits::deg, .scale = glm::dvec2(57.29578)});
+  expectRefusal("time_s,x,y" + rows, "gaze.scale = [57.29578, 57.29578]");
 }
 
 TEST(ReadTrace, ReadsTheLabelledRecordings) {
