@@ -64,8 +64,8 @@ RenderedFrame cloneOnGpu(const RenderedFrame& rendered);
 /// Renders requests, one at a time. Keeps a method of each name, with its buffers.
 class FrameRenderer {
  public:
-  /// @param cloud  outlives it
-  /// @param gpu  renders the methods that can (`rendersOnGpu`); null: the CPU renders
+  /// @param scene  outlives it
+  /// @param gpu    renders the methods that can (`rendersOnGpu`); null: the CPU renders
   explicit FrameRenderer(const Scene& scene, SharedGpu gpu = nullptr)
       : scene_(&scene), gpu_(std::move(gpu)) {}
 

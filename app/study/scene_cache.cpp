@@ -149,9 +149,11 @@ SurfelCloud SceneCache::surfelsOf(const SurfelSource& source,
   const fs::path entry = folder_ / (keyOf(source) + kEnding);
   if (fs::exists(entry, failed)) {
     try {
-      auto found = std::get<SurfelCloud>(readSceneFile(entry, kCheckAll_B).scene.splats);
+      PreparedScene found = readSceneFile(entry, kCheckAll_B);
       fs::last_write_time(entry, fs::file_time_type::clock::now(), failed);
-      return found;
+      if (auto* const surfels = std::get_if<SurfelCloud>(&found.scene.splats)) {
+        return std::move(*surfels);
+      }
     } catch (const InputError&) {
       fs::remove(entry, failed);
     }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include "app/study/framing.h"
 #include "app/study/session_settings_of.h"

@@ -111,6 +111,7 @@ std::string shortUnit(std::string_view word) {
 }
 
 std::string unitIn(std::string_view text) {
+  if (text.starts_with("arc min") || text.ends_with("minutes of arc")) return "arcmin";
   const std::string_view last = text.substr(text.rfind(' ') + 1);
   if (std::string unit = shortUnit(last); !unit.empty()) return unit;
   // Only in brackets: "x_min" is a minimum.

@@ -428,9 +428,10 @@ class RowReader {
           "which holds only for a head at rest; a gaze map (foci calibrate gaze) corrects this");
     }
     if (const std::string& column = layout_.unused_gaze; !column.empty()) {
-      header.warnings.push_back("gaze is read from " + shown(rows_.names()[*layout_.x]) +
-                                ", and column " + shown(column) +
-                                " is unused: name the gaze with gaze.x and gaze.y");
+      header.warnings.push_back(
+          "gaze is read from " +
+          (layout_.x ? "column " + shown(rows_.names()[*layout_.x]) : std::string("both eyes")) +
+          ", and column " + shown(column) + " is unused: name the gaze with gaze.x and gaze.y");
     }
     if (const std::string& column = layout_.unused_validity; !column.empty()) {
       header.warnings.push_back("column " + shown(column) +

@@ -169,32 +169,37 @@ class Recogniser {
   static bool hasPoint(const EyeColumns& eye) { return eye.point || (eye.x && eye.y); }
 
   /// Whether two points are of one gaze, by the first rows: most of them are nearer to each other
-  /// than a quarter of the range that the first one covers.
+  /// than a quarter of the range that the first one covers. Codes of data loss do not count.
   bool areOneGaze(const std::array<std::size_t, 2>& first,
                   const std::array<std::size_t, 2>& other) {
     constexpr std::size_t kFewest = 20;
     constexpr double kNear = 0.25;
-    for (const std::size_t axis : {0, 1}) {
-      std::vector<double> values, apart;
-      rows_.survey(kSurveyedRows, [&] {
-        if (std::max(first[axis], other[axis]) >= rows_.size()) return;
+    std::array<std::vector<double>, 2> values, apart;
+    rows_.survey(kSurveyedRows, [&] {
+      for (const std::size_t axis : {0, 1}) {
+        if (std::max(first[axis], other[axis]) >= rows_.size()) continue;
         const auto a = parseNumber(rows_.text(first[axis])),
                    b = parseNumber(rows_.text(other[axis]));
-        if (!a || !b) return;
-        values.push_back(*a);
-        apart.push_back(std::abs(*a - *b));
-      });
-      if (values.size() < kFewest) continue;
-      const double range = quantile(values, 0.98) - quantile(values, 0.02);
-      if (range > 0.0 && quantile(apart, 0.5) > kNear * range) return false;
+        if (!a || !b || *a <= 0.0 || *b <= 0.0) continue;
+        values[axis].push_back(*a);
+        apart[axis].push_back(std::abs(*a - *b));
+      }
+    });
+    for (const std::size_t axis : {0, 1}) {
+      if (values[axis].size() < kFewest) continue;
+      const double range = quantile(values[axis], 0.98) - quantile(values[axis], 0.02);
+      if (range > 0.0 && quantile(apart[axis], 0.5) > kNear * range) return false;
     }
     return true;
   }
 
-  /// Plain names are those of a mouse or a target where both eyes look elsewhere, at one point.
+  /// A plain point is that of a mouse or a target where the gaze of both eyes, in its unit, is at
+  /// one other point.
   bool isOfOther(std::size_t x, std::size_t y) {
     const auto& [left, right] = layout_.eyes;
     return names_.key(x) == "x" && left.x && left.y && right.x && right.y &&
+           names_.key(*left.x).find("gaze") != std::string::npos &&
+           names_.unit(*left.x) == names_.unit(x) &&
            areOneGaze({*left.x, *left.y}, {*right.x, *right.y}) &&
            !areOneGaze({*left.x, *left.y}, {x, y});
   }
@@ -203,23 +208,25 @@ class Recogniser {
     const bool eyes = hasPoint(layout_.eyes[0]) || hasPoint(layout_.eyes[1]);
     const bool told = !given_.eyes[0].x.empty() || !given_.eyes[1].x.empty();
     const auto x = findX(), y = findY();
-    if (given_.x.empty() && given_.y.empty() && eyes && (told || !(x && y) || isOfOther(*x, *y))) {
+    const bool is_other = eyes && x && y && !told && given_.x.empty() && isOfOther(*x, *y);
+    if (given_.x.empty() && given_.y.empty() && eyes && (told || !(x && y) || is_other)) {
+      if (is_other) layout_.unused_gaze = names_.text(*x);
       takeUnits(layout_.eyes[0].x ? layout_.eyes[0].x : layout_.eyes[1].x);
       return;
     }
     // Without columns of a point, lines of sight give it.
-    if (given_.x.empty() && given_.y.empty() && layout_.hasDirections() && !findX()) return;
-    layout_.x = given_.x.empty() ? findX() : named(given_.x);
+    if (given_.x.empty() && given_.y.empty() && layout_.hasDirections() && !x) return;
+    layout_.x = given_.x.empty() ? x : named(given_.x);
     if (!layout_.x) throw names_.missing(ColumnNames::Meaning::x, kXs);
-    layout_.y = given_.y.empty() ? findY() : named(given_.y);
+    layout_.y = given_.y.empty() ? y : named(given_.y);
     if (!layout_.y) throw names_.missing(ColumnNames::Meaning::y, kYs);
     takeUnits(layout_.x);
     for (EyeColumns& eye : layout_.eyes) {
-      // One scale holds for all positions: an eye in other units is left out. So are eyes that the
-      // study does not name beside its point, and what has an eye's letter but is elsewhere ("rx").
+      // One scale holds for all positions: an eye in other units is left out. So are eyes beside a
+      // point that only the study names, and what has an eye's letter but is elsewhere ("rx").
       if (!eye.x || told) continue;
       const bool has_letter = names_.key(*eye.x).size() == 2 && eye.y;
-      if (!given_.x.empty() || names_.unit(*eye.x) != names_.unit(*layout_.x) ||
+      if (layout_.x != x || names_.unit(*eye.x) != names_.unit(*layout_.x) ||
           (has_letter && !areOneGaze({*layout_.x, *layout_.y}, {*eye.x, *eye.y}))) {
         eye.x = eye.y = {};
       }
@@ -240,7 +247,7 @@ class Recogniser {
                         "to gaze.units");
     }
     layout_.units = unitsNamed(unit);
-    if (given_.units || given_.mapped_later) return;
+    if (given_.units || before_.units || given_.mapped_later) return;
     const double degrees = names_.degreesPerUnit(*column);
     if (degrees != 1.0) layout_.units = GazeUnits::deg;
     // The study's own scale, other than of signs, replaces that of the unit.
@@ -299,17 +306,18 @@ class Recogniser {
     }
   }
 
-  /// Whether a column counts blinks: once above 0, it never returns.
+  /// Whether a column counts blinks: it rises above 0 again and again, and never returns.
   bool isCounter(std::size_t column) const {
-    bool above = false, returns = false, counts = false;
+    double last = 0.0;
+    bool falls = false, counts = false;
     rows_.survey(kSurveyedRows, [&] {
       if (column >= rows_.size()) return;
       const double value = parseNumber(rows_.text(column)).value_or(0.0);
-      returns |= above && value == 0.0;
-      above |= value > 0.0;
-      counts |= value > 1.0;
+      falls |= value < last;
+      counts |= last > 0.0 && value > last;
+      last = value;
     });
-    return counts && !returns;
+    return counts && !falls;
   }
 
   void findRest() {
@@ -444,13 +452,11 @@ class Recogniser {
 
   /// A plain "x" may be the place of something else.
   void findUnusedGaze() {
-    if (!given_.x.empty() || !layout_.x || names_.key(*layout_.x) != "x") return;
-    for (std::size_t i = 0; i < names_.size(); ++i) {
-      const std::string& key = names_.key(i);
-      const bool seems = key == "gx" || ((key.starts_with("eye") || key.starts_with("gaze")) &&
-                                         key.ends_with('x'));
-      if (seems && layout_.readings[i].meaning == "unused") layout_.unused_gaze = names_.text(i);
-    }
+    if (!given_.x.empty() || !layout_.x || !layout_.isPlain() || names_.key(*layout_.x) != "x")
+      return;
+    const auto x = names_.findPosition("eyex gx eyegazex eyeposx eyepositionx");
+    const auto y = names_.findPosition("eyey gy eyegazey eyeposy eyepositiony");
+    if (x && y && layout_.readings[*x].meaning == "unused") layout_.unused_gaze = names_.text(*x);
   }
 
   Rows& rows_;

@@ -218,9 +218,13 @@ bool TableRow::isValid(std::size_t column) const {
   const auto value = number(column);
   if (!value) {
     const std::string word = lowered(field(column));
-    if (word == "valid" || word == "true") return true;
-    if (isAbsent(column) || word == "invalid" || word == "false") return false;
-    fail(column, "expected a number, or Valid or Invalid, or True or False");
+    if (isWordOf("valid true t yes", word)) return true;
+    if (isAbsent(column) || word == "not valid" || isWordOf("invalid notvalid false f no", word)) {
+      return false;
+    }
+    fail(column,
+         "expected a number, or Valid or Invalid, or True or False; eyes that the study names "
+         "(gaze.left_x, ...) are read without it");
   }
   switch (layout_.validity_code) {
     case ValidityCode::one:

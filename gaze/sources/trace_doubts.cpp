@@ -19,9 +19,9 @@ namespace {
 constexpr std::size_t kMinPositions = 100;  // fewer show neither range nor shares
 
 constexpr double kManyLost = 0.5, kManyOff = 0.1;  // shares of samples
-// Of the same position, where no screen is or at its corner. Trackers lose some samples of a
-// thousand, and a measured position does not come again.
-constexpr double kCode = 0.002, kCodeWhole = 0.01;
+// Of one number twice, where no screen is or at its corner; and of any position off the screen,
+// where rounded gaze may come again. Trackers lose some samples of a thousand.
+constexpr double kCode = 0.002, kCodeOff = 0.01;
 constexpr std::size_t kMinCodes = 5;
 constexpr double kManyZeros = 0.05;
 constexpr double kOtherScale = 20.0;  // times the range of the other eye
@@ -157,8 +157,6 @@ void statePositions(const Positions& at, double span_s, Doubts& doubts) {
 bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts) {
   constexpr double kZero = 1e-9;  // degrees come from pixels
   const glm::dvec2 low = at.low(), high = at.high();
-  const auto isWhole = [](double value) { return value == std::floor(value); };
-  const bool whole = std::ranges::all_of(at.x, isWhole) && std::ranges::all_of(at.y, isWhole);
   const auto limitOf = [&](double x, double y) -> std::optional<double> {
     if (x == 0.0 && y == 0.0 && at.degrees) {  // where one eye is not for long
       return whose.empty() ? std::nullopt : std::optional(kManyZeros);
@@ -166,7 +164,7 @@ bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts)
     const bool far = x == y && (x < 0.0 || x > kMaxScreen_px);
     if (!at.degrees && (far || (x == 0.0 && y == 0.0))) return kCode;
     const bool off = at.hasScreen() && (x < low.x || y < low.y || x > high.x || y > high.y);
-    return off ? std::optional(whole ? kCodeWhole : kCode) : std::nullopt;
+    return off ? std::optional(kCodeOff) : std::nullopt;
   };
   std::map<std::pair<double, double>, std::size_t> counts;
   std::pair<double, double> code;
@@ -258,8 +256,9 @@ void TraceDoubts::add(const GazeSample& sample) {
   }
   addClock(sample.time_s);
   ++samples_;
-  if (!sample.blink || samples_ == 1) open_s_ = sample.time_s;
-  longest_blink_s_ = std::max(longest_blink_s_, sample.time_s - open_s_);
+  if (!blinks_ || sample.after_pause) blink_s_ = sample.time_s;
+  blinks_ = sample.blink;
+  if (blinks_) longest_blink_s_ = std::max(longest_blink_s_, sample.time_s - blink_s_);
   if (sample.point_px) addPoint(sample);
   space_.add(sample);
   outside_ += sample.direction && !sample.point_px;
@@ -268,9 +267,10 @@ void TraceDoubts::add(const GazeSample& sample) {
   if (sample.pupil_mm) pupils_mm_.add([&] { return *sample.pupil_mm; });
 }
 
-std::vector<glm::dvec2> TraceDoubts::points_px(std::optional<std::size_t> side) const {
+std::vector<glm::dvec2> TraceDoubts::points_px(std::optional<std::size_t> side, bool apart) const {
   std::vector<glm::dvec2> points_px;
   for (const Kept& kept : kept_.kept()) {
+    if (apart && kept.eyes_px[0] == kept.eyes_px[1]) continue;
     const auto& point_px = side ? kept.eyes_px[*side] : std::optional(kept.point_px);
     if (point_px) points_px.push_back(*point_px);
   }
@@ -296,8 +296,6 @@ void TraceDoubts::stateRows(Doubts& doubts) const {
   doubts.add(longest_gap_s_ > kLongGap_s && 2.0 * longest_gap_s_ > span_s,
              "a gap of " + significant(longest_gap_s_) +
                  " s: is the clock right (gaze.time, gaze.time_scale_s)?");
-  doubts.add(longest_blink_s_ > kMaxBlink_s,
-             "a blink lasts " + significant(longest_blink_s_) + " s: is gaze.blink right?");
   std::vector<double> pupils_mm = pupils_mm_.kept();
   if (pupils_mm.size() < kMinPositions) return;
   const double usual_mm = quantile(pupils_mm, 0.5);
@@ -327,7 +325,8 @@ void TraceDoubts::stateLoss(const TraceHeader& header, Doubts& doubts) const {
   const Positions all = positionsOf(points_px(), header);
   if (isCodeOfLoss(all, "", doubts) || hasZerosOfOneAxis(all, doubts)) return;
   for (const std::size_t side : {0, 1}) {
-    const auto of_eye_px = points_px(side);
+    // In degrees, both eyes may be in the middle.
+    const auto of_eye_px = points_px(side, header.units == GazeUnits::deg);
     if (of_eye_px.size() < kMinPositions) continue;
     isCodeOfLoss(positionsOf(of_eye_px, header),
                  side == 0 ? " of the left eye" : " of the right eye", doubts);
@@ -377,6 +376,9 @@ void TraceDoubts::state(const TraceColumns& columns, TraceHeader& header) const 
   Doubts doubts(header.warnings);
   stateScreen(header, doubts);
   stateRows(doubts);
+  const auto isBlink = [](const ColumnReading& column) { return column.meaning == "blink"; };
+  doubts.add(longest_blink_s_ > kMaxBlink_s && std::ranges::any_of(header.columns, isBlink),
+             "a blink lasts " + significant(longest_blink_s_) + " s: is gaze.blink right?");
   stateRates(doubts);
   space_.state(header.gaze_in_world, header.world_y_up, doubts);
   if (kept_.kept().size() < kMinPositions || columns.mapped_later || columns.space.from_head)

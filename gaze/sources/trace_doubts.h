@@ -99,8 +99,8 @@ class TraceDoubts {
   void stateLoss(const TraceHeader& header, Doubts& doubts) const;
   void stateEyes(const TraceHeader& header, Doubts& doubts) const;
   void stateRepeats(Doubts& doubts) const;
-  /// Of the gaze, or of one eye.
-  std::vector<glm::dvec2> points_px(std::optional<std::size_t> side = {}) const;
+  /// Of the gaze, or of one eye. @param apart  only where the eyes differ
+  std::vector<glm::dvec2> points_px(std::optional<std::size_t> side = {}, bool apart = false) const;
 
   SpaceDoubts space_{};
   RateWatch watch_{};
@@ -110,7 +110,8 @@ class TraceDoubts {
   std::size_t outside_ = 0;  // gaze in space that meets no screen
   std::size_t away_ = 0;     // lines of sight that lead away from the screen
   double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0, paused_s_ = 0.0;
-  double open_s_ = 0.0, longest_blink_s_ = 0.0;  // the eye was open last
+  double blink_s_ = 0.0, longest_blink_s_ = 0.0;  // begin of the latest
+  bool blinks_ = false;
   glm::dvec2 last_px_{0.0};
   bool whole_px_ = true;                       // all positions
   double run_s_ = 0.0, longest_hold_s_ = 0.0;  // when a run of equal positions began

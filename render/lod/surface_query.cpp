@@ -8,7 +8,6 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include "base/parallel.h"
@@ -245,7 +244,7 @@ namespace {
 
 class SurfelQuery final : public SurfaceQuery::Impl {
  public:
-  explicit SurfelQuery(const SurfelCloud& surfels) : Impl(builtTree(surfels)), cloud(surfels) {
+  explicit SurfelQuery(const SurfelCloud& surfels) : Impl(builtTree(surfels)), cloud_(surfels) {
     if (!builtTree(surfels)) buildNodes(surfels);
   }
 
@@ -256,7 +255,7 @@ class SurfelQuery final : public SurfaceQuery::Impl {
     double covered = 0.0, vergence = 0.0;
     float layer_far_m = std::numeric_limits<float>::lowest();
     const auto meet = [&](std::size_t i) {
-      auto share = cone.shareOf(cloud, i);
+      auto share = cone.shareOf(cloud_, i);
       if (share && !(share->coverage > 0.0)) share.reset();
       return share;
     };
@@ -282,21 +281,21 @@ class SurfelQuery final : public SurfaceQuery::Impl {
   void addSurface(const glm::dvec3& direction, SurfaceHit& hit) const override {
     glm::dvec3 normal(0.0);
     for (SurfelShare& each : hit.surfels) {
-      each.per_m2 = each.share / static_cast<double>(cloud.area_m2[each.surfel]);
-      const glm::dvec3 own = glm::normalize(glm::cross(glm::dvec3(cloud.axis_u_m[each.surfel]),
-                                                       glm::dvec3(cloud.axis_v_m[each.surfel])));
+      each.per_m2 = each.share / static_cast<double>(cloud_.area_m2[each.surfel]);
+      const glm::dvec3 own = glm::normalize(glm::cross(glm::dvec3(cloud_.axis_u_m[each.surfel]),
+                                                       glm::dvec3(cloud_.axis_v_m[each.surfel])));
       normal += (glm::dot(own, direction) > 0.0 ? -each.share : each.share) * own;
     }
     if (normal != glm::dvec3(0.0)) hit.normal = glm::normalize(normal);
   }
 
  private:
-  const SurfelCloud& cloud;
+  const SurfelCloud& cloud_;
 };
 
 class GaussianQuery final : public SurfaceQuery::Impl {
  public:
-  explicit GaussianQuery(const GaussianCloud& gaussians) : Impl(nullptr), cloud(gaussians) {
+  explicit GaussianQuery(const GaussianCloud& gaussians) : Impl(nullptr), cloud_(gaussians) {
     buildNodes(gaussians);
   }
 
@@ -307,7 +306,7 @@ class GaussianQuery final : public SurfaceQuery::Impl {
     ConeOpacity opacity(cone.radius);
     std::optional<double> distance_m;
     double before = 0.0;
-    const auto meet = [&](std::size_t i) { return gaussianInCone(cone, cloud, i, kNearest_m); };
+    const auto meet = [&](std::size_t i) { return gaussianInCone(cone, cloud_, i, kNearest_m); };
     walk<GaussianInCone>(cone, meet, [&](const Visit& visit, const GaussianInCone* gaussian) {
       if (!gaussian) return true;
       opacity.add(*gaussian);
@@ -325,7 +324,7 @@ class GaussianQuery final : public SurfaceQuery::Impl {
   void addSurface(const glm::dvec3& /*direction*/, SurfaceHit& /*hit*/) const override {}
 
  private:
-  const GaussianCloud& cloud;
+  const GaussianCloud& cloud_;
 };
 
 }  // namespace

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
-#include "render/image/srgb.h"
-#include "render/scene/gaussian_cloud.h"
 
 namespace foci {
 namespace {

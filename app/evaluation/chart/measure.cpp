@@ -49,6 +49,7 @@ class ChartGroup {
   }
 
   /// The reference renders `seen`, every surfel, so that it does not depend on the tree's order.
+  /// @param shared  its scene; surfels with the tree that all methods share
   void measure(const SceneInView& seen, const Scene& shared) {
     shared_ = &shared;
     aperture_m_ = blur_px_ / seen.largestBlurThrough_px(1.0);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
-#include <memory>
 #include <span>
 #include <tuple>
 #include <utility>

@@ -311,6 +311,41 @@ TEST(MistakenRecordings, TheGoodOneRaisesNoDoubt) {
   EXPECT_EQ(saidAbout(table("time_s,x_deg,y_deg", mapped(degrees))), "");
 }
 
+TEST(MistakenRecordings, WhatOnlyLooksMistakenRaisesNoDoubt) {
+  const auto with = [](const std::function<double(const Row&)>& value) {
+    return [value](const Row& row) {
+      return std::vector<double>{row.time_s, row.x, row.y, value(row)};
+    };
+  };
+  const auto number = with([](const Row& row) { return 1.0 * row.number; });
+  EXPECT_EQ(saidAbout(table("time_s,x,y,gaze_index", number)), "");
+  // An eye that blinks for a tenth of a second after a gap, and once for two seconds at the start.
+  std::string gap = kXy + ",blink\n";
+  for (const Row& row : goodRows()) {
+    if (row.number > 500 && row.number < 1000) continue;
+    gap += std::to_string(row.time_s) + "," + std::to_string(row.x) + "," + std::to_string(row.y) +
+           (row.number >= 1000 && row.number < 1010 ? ",1\n" : ",0\n");
+  }
+  EXPECT_EQ(saidAbout(gap).find("a blink lasts"), std::string::npos) << saidAbout(gap);
+  const auto start = with([](const Row& row) { return row.number < 200 ? 2.0 : 0.0; });
+  const GazeTrace trace = readTrace(ScratchFile(table(kXy + ",blink", start)).path(), {}, kScreen);
+  EXPECT_TRUE(trace.samples[10].blink && !trace.samples[300].blink);
+  // A tenth of a degree, and a glance off the screen, or half of the time at a cross in the middle.
+  const auto rounded = [](const Row& row) {
+    const glm::dvec2 p = glm::round(10.0 * degrees(row)) / 10.0;
+    return row.number / 4 == 100 ? glm::dvec2(29.0, 3.1) : p;
+  };
+  EXPECT_EQ(saidAbout(table("time_s,x_deg,y_deg", mapped(rounded))), "");
+  const auto cross = [](const Row& row) {
+    const glm::dvec2 p =
+        row.number % 100 < 50 ? glm::dvec2(0.0) : glm::round(10.0 * degrees(row)) / 10.0;
+    return std::vector<double>{row.time_s, p.x, p.y, p.x, p.y};
+  };
+  EXPECT_EQ(saidAbout(table("time_s,left_x_deg,left_y_deg,right_x_deg,right_y_deg", cross))
+                .find("gaze.missing"),
+            std::string::npos);
+}
+
 TEST(MistakenRecordings, ACommaIsDecimalUnlessItMaySeparateThousands) {
   const auto read = [](const std::string& rows) {
     std::vector<std::string> assumed;
@@ -370,6 +405,10 @@ TEST(MistakenRecordings, WhatOnlyLooksLikeAnEyeOrGazeIsNone) {
   const auto filtered =
       read("time_s,x_filtered,y_filtered,left_x,left_y,right_x,right_y", beside, named);
   EXPECT_FALSE(filtered.samples[10].eyes[0].point_px || filtered.samples[10].eyes[1].point_px);
+  // Beside the point that foci takes itself, the eyes stay.
+  const auto usual = read("time_s,gaze_x,gaze_y,left_x,left_y,right_x,right_y", beside,
+                          TraceColumns{.x = "gaze_x", .y = "gaze_y"});
+  EXPECT_TRUE(usual.samples[10].eyes[0].point_px && usual.samples[10].eyes[1].point_px);
   // A mouse that rests, or a target.
   const auto mouse = [](const Row& row) {
     return std::vector<double>{row.time_s, 300.0 + row.number / 500, 400.0, row.x, row.y, row.x,
@@ -377,6 +416,23 @@ TEST(MistakenRecordings, WhatOnlyLooksLikeAnEyeOrGazeIsNone) {
   };
   const auto gaze = read("time_s,x,y,left_gaze_x,left_gaze_y,right_gaze_x,right_gaze_y", mouse);
   EXPECT_NEAR(gaze.samples[10].point_px->x, goodRows()[10].x, 1e-6);
+  EXPECT_EQ(gaze.warnings.size(), 1u) << "the point that is passed over";
+  // Pupils in an eye camera, and eyes that are lost most of the time.
+  const auto pupils = [](const Row& row) {
+    const double x = 100.0 + row.x / 40.0, y = 80.0 + row.y / 40.0;
+    return std::vector<double>{row.time_s, row.x, row.y, x, y, x, y};
+  };
+  const auto lost = [](const Row& row) {
+    const bool is_lost = row.number % 10 < 7;
+    const double x = is_lost ? -1.0 : row.x, y = is_lost ? -1.0 : row.y;
+    return std::vector<double>{row.time_s, row.x, row.y, x, y, x, y};
+  };
+  for (const auto& [names, fields] :
+       {std::pair<const char*, Fields>{"time_s,x,y,left_x,left_y,right_x,right_y", pupils},
+        {"time_s,x,y,left_gaze_x,left_gaze_y,right_gaze_x,right_gaze_y", lost}}) {
+    const GazeSample seen = read(names, fields).samples[10];
+    EXPECT_NEAR(seen.point_px->x, goodRows()[10].x, 1e-6) << names;
+  }
 }
 
 TEST(MistakenRecordings, NoneIsSilentAndEachNamesWhatToDo) {
