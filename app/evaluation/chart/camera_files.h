@@ -18,7 +18,7 @@ struct ColmapModel {
   std::string cameras, images, points3D;
 };
 
-/// @param cloud  a thousand of its points go to points3D.txt
+/// @param scene  a thousand of its points go to points3D.txt
 ColmapModel colmapModel(const View& view, const std::string& image, const Scene& scene);
 
 }  // namespace foci
