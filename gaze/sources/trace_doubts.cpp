@@ -267,10 +267,12 @@ void TraceDoubts::add(const GazeSample& sample) {
   if (sample.pupil_mm) pupils_mm_.add([&] { return *sample.pupil_mm; });
 }
 
-std::vector<glm::dvec2> TraceDoubts::points_px(std::optional<std::size_t> side, bool apart) const {
+std::vector<glm::dvec2> TraceDoubts::points_px(std::optional<std::size_t> side,
+                                               double apart_px) const {
   std::vector<glm::dvec2> points_px;
   for (const Kept& kept : kept_.kept()) {
-    if (apart && kept.eyes_px[0] == kept.eyes_px[1]) continue;
+    const auto& [left, right] = kept.eyes_px;
+    if (left && right && glm::distance(*left, *right) <= apart_px) continue;
     const auto& point_px = side ? kept.eyes_px[*side] : std::optional(kept.point_px);
     if (point_px) points_px.push_back(*point_px);
   }
@@ -326,7 +328,9 @@ void TraceDoubts::stateLoss(const TraceHeader& header, Doubts& doubts) const {
   if (isCodeOfLoss(all, "", doubts) || hasZerosOfOneAxis(all, doubts)) return;
   for (const std::size_t side : {0, 1}) {
     // In degrees, both eyes may be in the middle.
-    const auto of_eye_px = points_px(side, header.units == GazeUnits::deg);
+    constexpr double kElsewhere = 0.05;  // of the screen
+    const bool degrees = header.units == GazeUnits::deg;
+    const auto of_eye_px = points_px(side, degrees ? kElsewhere * header.screen->size_px.x : -1.0);
     if (of_eye_px.size() < kMinPositions) continue;
     isCodeOfLoss(positionsOf(of_eye_px, header),
                  side == 0 ? " of the left eye" : " of the right eye", doubts);

@@ -339,7 +339,7 @@ TEST(MistakenRecordings, WhatOnlyLooksMistakenRaisesNoDoubt) {
   const auto cross = [](const Row& row) {
     const glm::dvec2 p =
         row.number % 100 < 50 ? glm::dvec2(0.0) : glm::round(10.0 * degrees(row)) / 10.0;
-    return std::vector<double>{row.time_s, p.x, p.y, p.x, p.y};
+    return std::vector<double>{row.time_s, p.x, p.y, p.x + 0.1 * (row.number % 3), p.y};
   };
   EXPECT_EQ(saidAbout(table("time_s,left_x_deg,left_y_deg,right_x_deg,right_y_deg", cross))
                 .find("gaze.missing"),
