@@ -201,8 +201,7 @@ Scene builtinScene(const Study& study) {
 
 /// The scene in the order of its tree, which all methods and the gaze's distance then share.
 Scene sorted(Scene scene) {
-  return std::visit([](auto&& cloud) { return Scene{withTree(std::move(cloud))}; },
-                    std::move(scene.splats));
+  return std::visit([](auto& cloud) { return Scene{withTree(std::move(cloud))}; }, scene.splats);
 }
 
 }  // namespace
