@@ -21,6 +21,7 @@
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/bids.h"
+#include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {
@@ -86,9 +87,11 @@ TraceColumns fromUpperLeft(TraceColumns columns, const BidsMetadata& metadata,
                            const std::string& header, const Screen& screen,
                            std::vector<std::string>& assumed) {
   const bool converts = columns.scale != glm::dvec2(1.0) || columns.offset != glm::dvec2(0.0);
-  const auto is_in = [&](const char* unit) { return header.find(unit) != header.npos; };
-  const bool degrees = columns.units.value_or(GazeUnits::px) == GazeUnits::deg || is_in(" [deg]") ||
-                       is_in(" [arcmin]") || is_in(" [mrad]") || is_in(" [rad]");
+  const auto isAngle = [&](const Json& column) {
+    return degreesPer(metadata.unitOf(column.get<std::string>())) > 0.0;
+  };
+  const bool degrees = columns.units.value_or(GazeUnits::px) == GazeUnits::deg ||
+                       std::ranges::any_of(metadata.physio.at("Columns"), isAngle);
   if (converts || degrees || columns.mapped_later) return columns;
   const auto origin = originIn(metadata);
   const std::string where = metadata.files.back().string();

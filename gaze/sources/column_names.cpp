@@ -20,8 +20,7 @@ constexpr std::string_view kAngles =
 constexpr std::string_view kNoUnits =
     "left right both eye eyes l r od os ou x y horizontal vertical raw filtered smoothed corrected "
     "calibrated interpolated mean average avg median best combined cyclopean screen display "
-    "monitor "
-    "gaze position abs absolute";
+    "monitor gaze position abs absolute";
 
 bool mayBeUnit(std::string_view inside) {
   const auto words = wordsOf(inside, " ");
@@ -128,13 +127,15 @@ std::string unitIn(std::string_view text) {
   return {};
 }
 
-double ColumnNames::degreesPerUnit(std::size_t column) const {
-  static const std::pair<std::string_view, double> kDegrees[] = {
-      {"arcmin", 1.0 / 60.0}, {"mrad", 1e-3 * glm::degrees(1.0)}, {"rad", glm::degrees(1.0)}};
+double degreesPer(std::string_view unit) {
+  static const std::pair<std::string_view, double> kDegrees[] = {{"deg", 1.0},
+                                                                 {"arcmin", 1.0 / 60.0},
+                                                                 {"mrad", 1e-3 * glm::degrees(1.0)},
+                                                                 {"rad", glm::degrees(1.0)}};
   for (const auto& [name, degrees] : kDegrees) {
-    if (unit(column) == name) return degrees;
+    if (unit == name) return degrees;
   }
-  return 1.0;
+  return 0.0;
 }
 
 double ColumnNames::secondsPerUnit(std::size_t column) const {
@@ -197,8 +198,8 @@ std::optional<std::size_t> ColumnNames::find(std::string_view keys) const {
 
 std::optional<std::size_t> ColumnNames::findPosition(std::string_view keys) const {
   return findIf(keys, [&](std::size_t column) {
-    return !names_[column].of_media &&
-           (unit(column).empty() || isWordOf("px deg norm arcmin mrad rad", unit(column)));
+    return !names_[column].of_media && (unit(column).empty() || isWordOf("px norm", unit(column)) ||
+                                        degreesPer(unit(column)) > 0.0);
   });
 }
 

@@ -30,6 +30,9 @@ std::string shortUnit(std::string_view word);
 /// a visual angle.
 std::string unitIn(std::string_view text);
 
+/// Degrees in a unit of angle, as `unitIn` gives it; 0: it is none.
+double degreesPer(std::string_view unit);
+
 /// The names of a table's columns. Each name is split into a key and a unit:
 /// "Gaze point X [DACS px]" has the key "gazepointx" and the unit "px".
 class ColumnNames {
@@ -49,8 +52,6 @@ class ColumnNames {
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
   /// Words in brackets that may be another unit, or empty.
   const std::string& unknownUnit(std::size_t column) const { return names_[column].unknown_unit; }
-  /// Of an angle; else 1.
-  double degreesPerUnit(std::size_t column) const;
   /// Of a time; 0: its unit is none.
   double secondsPerUnit(std::size_t column) const;
   /// Whether positions are lengths or per cent, which only gaze.scale converts.

@@ -32,8 +32,7 @@ constexpr std::string_view kEyesValidity =
     "EYEgazepointvalidity validityEYE EYEvalidity EYEgazepointvalid Epogv validityEYEeye";
 constexpr std::string_view kEyesPupil =
     "EYEpupildiameter pupildiameterEYE pupilEYE Emappeddiameter Epupildiameter EYEpupilsize "
-    "EYEpupil "
-    "Epmm diameterpupilEYEeye";
+    "EYEpupil Epmm diameterpupilEYEeye";
 
 class Recogniser {
  public:
@@ -248,10 +247,11 @@ class Recogniser {
     }
     layout_.units = unitsNamed(unit);
     if (given_.units || before_.units || given_.mapped_later) return;
-    const double degrees = names_.degreesPerUnit(*column);
-    if (degrees != 1.0) layout_.units = GazeUnits::deg;
-    // The study's own scale, other than of signs, replaces that of the unit.
-    if (glm::abs(given_.scale) == glm::dvec2(1.0)) layout_.scale = degrees;
+    if (const double degrees = degreesPer(unit); degrees > 0.0) {
+      layout_.units = GazeUnits::deg;
+      // The study's own scale, other than of signs, replaces that of the unit.
+      if (glm::abs(given_.scale) == glm::dvec2(1.0)) layout_.scale = degrees;
+    }
     if (!names_.unknownUnit(*column).empty()) layout_.unknown_unit = names_.text(*column);
   }
 

@@ -28,9 +28,7 @@ double medianRate_Hz(const std::vector<GazeSample>& samples) {
     step.add(interval_s[i]);
   }
   RoundedIntervals rounded(quantile(interval_s, 0.5), step.step_s());
-  if (step.step_s() > 0.0) {
-    for (const double each_s : interval_s) rounded.add(1, each_s);
-  }
+  for (const double each_s : interval_s) rounded.add(1, each_s);
   return rounded.rate_Hz();
 }
 

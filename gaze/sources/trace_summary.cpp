@@ -72,9 +72,7 @@ double TraceSummary::rate_Hz() const {
   const auto bin = static_cast<std::size_t>(medianBin());
   if (sums_s_[bin] <= 0.0) return 0.0;
   RoundedIntervals rounded(sums_s_[bin] / static_cast<double>(intervals_[bin]), step_.step_s());
-  for (std::size_t i = 0; step_.step_s() > 0.0 && i < intervals_.size(); ++i) {
-    rounded.add(intervals_[i], sums_s_[i]);
-  }
+  for (std::size_t i = 0; i < intervals_.size(); ++i) rounded.add(intervals_[i], sums_s_[i]);
   return rounded.rate_Hz();
 }
 

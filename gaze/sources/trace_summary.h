@@ -27,7 +27,7 @@ class TimeStep {
 
 /// The rate of a recording whose times are rounded: at 60 Hz and whole milliseconds, intervals are
 /// 16 and 17 ms, and their median would give 58.8 Hz. The mean of the intervals within a step and a
-/// half of the median. Longer ones are gaps.
+/// half of the median. Longer ones are gaps. Without a step, the median.
 class RoundedIntervals {
  public:
   RoundedIntervals(double median_s, double step_s) : median_s_(median_s), step_s_(step_s) {}

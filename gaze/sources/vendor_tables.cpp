@@ -91,7 +91,7 @@ bool isNeon(Names names, const TablePreamble&) {
   return time && names.unit(*time) == "ns" && names.find("gazex") && names.find("gazey");
 }
 
-void loseMinusOne(Names, TableLayout& layout) {
+void minusOneIsLoss(Names, TableLayout& layout) {
   if (!layout.missing) layout.missing = -1.0;
 }
 
@@ -180,13 +180,13 @@ const Vendor kVendors[] = {
      .needs = {"etgazeleftx etgazerightx", "etgazelefty etgazerighty"},
      .units = kPx,
      .time_scale_s = 1e-3,
-     .more = loseMinusOne},
+     .more = minusOneIsLoss},
     {.name = "E-Prime, Tobii",
      .needs = {"tettime", "xgazeposlefteye xgazeposrighteye", "ygazeposlefteye ygazeposrighteye"},
      .complete = {"validitylefteye", "validityrighteye"},
      .units = kFractions,
      .time_scale_s = 1e-3,
-     .more = loseMinusOne},
+     .more = minusOneIsLoss},
     {.name = "GazeBase",
      .needs = {"n", "x", "y", "val", "dp"},
      .complete = {"xt", "yt", "lab"},

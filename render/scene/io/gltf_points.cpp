@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <memory>
 #include <set>
 #include <string>
 #include <utility>

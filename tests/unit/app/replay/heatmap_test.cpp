@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <glm/glm.hpp>
-#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>

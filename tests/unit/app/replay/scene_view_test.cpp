@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
-#include <memory>
 #include <string>
 #include <vector>
 
