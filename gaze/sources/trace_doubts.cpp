@@ -153,8 +153,10 @@ void statePositions(const Positions& at, double span_s, Doubts& doubts) {
 }
 
 /// A position that cannot be looked at and comes often.
+/// @param among  so many
 /// @param whose  "", or " of the left eye"
-bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts) {
+bool isCodeOfLoss(const Positions& at, std::size_t among, const std::string& whose,
+                  Doubts& doubts) {
   constexpr double kZero = 1e-9;  // degrees come from pixels
   const glm::dvec2 low = at.low(), high = at.high();
   const auto limitOf = [&](double x, double y) -> std::optional<double> {
@@ -175,7 +177,7 @@ bool isCodeOfLoss(const Positions& at, const std::string& whose, Doubts& doubts)
     const auto limit = limitOf(p.first, p.second);
     if (!limit) continue;
     const std::size_t count = ++counts[p];
-    const double share = shareOf(count, at.x.size());
+    const double share = shareOf(count, among);
     if (count < kMinCodes || share < *limit || share <= most) continue;
     most = share;
     code = p;
@@ -267,15 +269,9 @@ void TraceDoubts::add(const GazeSample& sample) {
   if (sample.pupil_mm) pupils_mm_.add([&] { return *sample.pupil_mm; });
 }
 
-std::vector<glm::dvec2> TraceDoubts::points_px(std::optional<std::size_t> side,
-                                               double apart_px) const {
+std::vector<glm::dvec2> TraceDoubts::points_px() const {
   std::vector<glm::dvec2> points_px;
-  for (const Kept& kept : kept_.kept()) {
-    const auto& [left, right] = kept.eyes_px;
-    if (left && right && glm::distance(*left, *right) <= apart_px) continue;
-    const auto& point_px = side ? kept.eyes_px[*side] : std::optional(kept.point_px);
-    if (point_px) points_px.push_back(*point_px);
-  }
+  for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
   return points_px;
 }
 
@@ -325,14 +321,25 @@ void TraceDoubts::stateRates(Doubts& doubts) const {
 /// A code for data loss: of the gaze, else of one eye, whose code the mean with the other hides.
 void TraceDoubts::stateLoss(const TraceHeader& header, Doubts& doubts) const {
   const Positions all = positionsOf(points_px(), header);
-  if (isCodeOfLoss(all, "", doubts) || hasZerosOfOneAxis(all, doubts)) return;
+  if (isCodeOfLoss(all, all.x.size(), "", doubts) || hasZerosOfOneAxis(all, doubts)) return;
+  // In degrees, both eyes may be in the middle.
+  const auto areTogether = [&](const Kept& kept) {
+    constexpr double kTogether_deg = 1.0;
+    const auto& [left, right] = kept.eyes_px;
+    return header.units == GazeUnits::deg && left && right &&
+           glm::distance(eccentricity_deg(*header.screen, *left),
+                         eccentricity_deg(*header.screen, *right)) <= kTogether_deg;
+  };
   for (const std::size_t side : {0, 1}) {
-    // In degrees, both eyes may be in the middle.
-    constexpr double kElsewhere = 0.05;  // of the screen
-    const bool degrees = header.units == GazeUnits::deg;
-    const auto of_eye_px = points_px(side, degrees ? kElsewhere * header.screen->size_px.x : -1.0);
-    if (of_eye_px.size() < kMinPositions) continue;
-    isCodeOfLoss(positionsOf(of_eye_px, header),
+    std::size_t seen = 0;
+    std::vector<glm::dvec2> of_eye_px;
+    for (const Kept& kept : kept_.kept()) {
+      if (!kept.eyes_px[side]) continue;
+      ++seen;
+      if (!areTogether(kept)) of_eye_px.push_back(*kept.eyes_px[side]);
+    }
+    if (seen < kMinPositions) continue;
+    isCodeOfLoss(positionsOf(of_eye_px, header), seen,
                  side == 0 ? " of the left eye" : " of the right eye", doubts);
   }
 }

@@ -99,9 +99,8 @@ class TraceDoubts {
   void stateLoss(const TraceHeader& header, Doubts& doubts) const;
   void stateEyes(const TraceHeader& header, Doubts& doubts) const;
   void stateRepeats(Doubts& doubts) const;
-  /// Of the gaze, or of one eye. @param apart_px  only where the eyes are farther apart
-  std::vector<glm::dvec2> points_px(std::optional<std::size_t> side = {},
-                                    double apart_px = -1.0) const;
+  /// Of the gaze.
+  std::vector<glm::dvec2> points_px() const;
 
   SpaceDoubts space_{};
   RateWatch watch_{};
