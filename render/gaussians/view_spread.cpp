@@ -63,8 +63,9 @@ std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquar
   }
   std::array<float, SampledErrors::kMost> errors{};
   if (free == 0.0f) {
-    constexpr float kOfThree = 1.3f, kSmooth_px = 3.4f;
-    const float share = kOfThree * radius_px / (radius_px + kSmooth_px);
+    constexpr float kOfThree = 1.2f, kSmooth_px = 4.0f;
+    const float r2 = radius_px * radius_px;
+    const float share = kOfThree * r2 / (r2 + kSmooth_px * kSmooth_px);
     std::ranges::transform(samples, errors.begin(), [&](const SpreadSquares& each) {
       return share * std::sqrt(each.all / (n * (n - 1.0f)));
     });
@@ -72,7 +73,9 @@ std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquar
   }
   // (R / S)^2 of the tile.
   const float rough = rest / free * (n - 1.0f) / std::max(all, 1e-20f);
-  const float share = 1.08f * std::min(std::pow(n / 19.0f, -0.18f), 1.0f) * std::pow(rough, 0.75f);
+  const float by_radius = 1.4f * radius_px / (radius_px + 4.0f);
+  const float share =
+      by_radius * std::min(std::pow(n / 19.0f, -0.18f), 1.0f) * std::pow(rough, 0.75f);
   std::ranges::transform(samples, errors.begin(), [&](const SpreadSquares& each) {
     return share * std::sqrt(each.rest / (n * free));
   });

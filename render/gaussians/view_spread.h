@@ -86,16 +86,18 @@ class ViewSpread {
 
   /// The error of the mean of the views, at least three, by place. Discs integrate exactly what
   /// varies over the lens as a polynomial of degree two (lens_samples.h), so that this part of the
-  /// views' spread is no error. With the rest R, as a standard error, and all of the spread S, over
-  /// the tile, n discs err by about
-  ///   1.08 R (R / S)^1.5 min((n / 19)^-0.18, 1):
+  /// views' spread is no error. With the rest R, as a standard error, all of the spread S, over the
+  /// tile, and the blur radius r, n discs err by about
+  ///   1.4 r / (r + 4 px) R (R / S)^1.5 min((n / 19)^-0.18, 1):
   /// the smoother the views vary, the faster higher degrees fall off. Three views leave no rest.
-  /// Their error is about 1.3 S r / (r + 3.4 px), r: blur radius.
+  /// Their error is about 1.2 S r^2 / (r^2 + (4 px)^2): S grows with r, what is left of third
+  /// degree with r^3.
   ///
-  /// Edges anywhere on the lens err by 1.2 times this, with seven discs and with 127; with three by
-  /// 0.4 (tests of ViewSpread). The exponents are a fit to tiles of two captures, the 1.08 bounds
-  /// the garden (builtin/garden.cpp). Scattered Gaussians took no part. On all of these, with 5 to
-  /// 20 px of blur at the far side or everywhere, 95 % of the pixels err by 0.3 to 1.0 of it.
+  /// Edges anywhere on the lens err by 1.05 to 1.15 times this, with seven discs and with 127; with
+  /// three by 0.4 (tests of ViewSpread). The exponents and the shares by radius are fits to tiles
+  /// of two captures, which agree; the garden (builtin/garden.cpp) took no part. With 3 to 20 px of
+  /// blur before or behind the focus, 95 % of the pixels err by 0.5 to 1.05 of what `auto` predicts
+  /// for these three scenes, but by 1.2 to 1.3 where one disc is enough for the garden.
   /// @param discs      of the views, in their order
   /// @param radius_px  blur radius of what the views show
   /// @param behind     by place

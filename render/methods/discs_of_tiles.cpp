@@ -127,32 +127,43 @@ float DiscsOfTiles::errorAfter(const TileState& tile, const Changes& changes,
   return std::sqrt(squares);
 }
 
-float DiscsOfTiles::discsThatErr(const TileState& tile) {
+float DiscsOfTiles::discsThatErr(const TileState& tile, const Indices& indices) {
   float squares = 0.0f, discs = 0.0f;
   for (std::size_t k = 0; k < tile.layers.size(); ++k) {
     const float square = tile.layers[k].typical * tile.layers[k].typical;
     squares += square;
-    discs += square * static_cast<float>(kDiscs[tile.indices[k]]);
+    discs += square * static_cast<float>(kDiscs[indices[k]]);
   }
   return squares > 0.0f ? discs / squares : 1.0f;
 }
 
-DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) const {
-  Next next{.indices = tile.indices};
-  const float limit_jnd =
-      std::min(limit * std::sqrt(discsThatErr(tile)), kMostOverTolerance * tolerance_);
-  float now = tile.typical / limit_jnd;
-  if (tile.indices[0] == 0) now = std::max(now, tile.layers[0].typical / tolerance_);
-  if (now <= 1.0f) return next;
-  next.weight = std::min((now - 1.0f) / kTransition, 1.0f);
-  // One step for all layers: a choice among them would change the tile at once where it changes.
-  // One disc of little error remains: more would change little, and take three times as long.
-  for (std::size_t k = 0; k < next.indices.size(); ++k) {
-    std::size_t& index = next.indices[k];
-    const bool errs = index > 0 || tile.layers[k].typical > kLittle * tile.typical;
-    if (errs && index < kLast) ++index;
+DiscsOfTiles::Indices DiscsOfTiles::stepFrom(const TileState& tile, Indices indices) {
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const bool errs = indices[k] > 0 || tile.layers[k].typical > kLittle * tile.typical;
+    if (errs && indices[k] < kLast) ++indices[k];
   }
-  if (next.indices == tile.indices) next.weight = 0.0f;
+  return indices;
+}
+
+DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) const {
+  const auto beyond = [&](float error, const Indices& indices) {
+    return error / std::min(limit * std::sqrt(discsThatErr(tile, indices)),
+                            kMostOverTolerance * tolerance_);
+  };
+  Next next{.indices = tile.indices};
+  float now = beyond(tile.typical, tile.indices);
+  if (tile.indices[0] == 0) now = std::max(now, tile.layers[0].typical / tolerance_);
+  while (now > 1.0f) {
+    const float weight = std::min((now - 1.0f) / kTransition, 1.0f);
+    const Indices more = stepFrom(tile, next.indices);
+    // An image that is to be mixed with that of the step before waits for it.
+    if (more == next.indices || (weight < 1.0f && next.weight == 1.0f)) break;
+    next = {more, weight};
+    if (weight < 1.0f) break;
+    now = beyond(errorAfter(tile, changesOf(tile, more),
+                            [&](std::size_t k) { return tile.layers[k].typical; }),
+                 more);
+  }
   return next;
 }
 

@@ -85,10 +85,14 @@ class DiscsOfTiles {
     float weight = 0.0f;  ///< 0: the tile stays as it is
   };
   /// The mean of the layers' discs, weighted by the squares of their errors.
-  static float discsThatErr(const TileState& tile);
+  static float discsThatErr(const TileState& tile, const Indices& indices);
+  /// One step for all layers: a choice among them would change the tile at once where it changes.
+  /// One disc of little error remains: more would change little, and take three times as long.
+  static Indices stepFrom(const TileState& tile, Indices indices);
   /// Nothing while the tile's typical error is within the limit, and not far beyond the tolerance;
-  /// else more discs. More discs take time in proportion to their number n, and remove a share of
-  /// the squared error e^2. So the tiles of the largest e^2 / n come first.
+  /// else more discs, by as many steps as it takes to come near the limit. More discs take time in
+  /// proportion to their number n, and remove a share of the squared error e^2. So the tiles of the
+  /// largest e^2 / n come first.
   /// @param limit  of e / sqrt(n), in just-noticeable differences
   Next nextWithin(const TileState& tile, float limit) const;
   /// The area with an error beyond `error`, after the steps of `nextWithin`.

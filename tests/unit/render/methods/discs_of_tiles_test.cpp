@@ -131,6 +131,13 @@ TEST(DiscsOfTiles, GivesMoreDiscsToDetailOnly) {
   EXPECT_LE(tiles.discs.error(), 1.0f);
 }
 
+// What a round in between would render is not seen.
+TEST(DiscsOfTiles, GivesTheDiscsThatTheErrorNeedsInOneRound) {
+  Tiles tiles(kBlur_px);
+  EXPECT_EQ(tiles.render(10, 20.0f), 2);
+  EXPECT_EQ(tiles.countOf(0), 61);
+}
+
 TEST(DiscsOfTiles, ASmallerToleranceTakesMoreDiscs) {
   int last = 0;
   for (const float tolerance : {4.0f, 1.0f, 0.4f}) {
