@@ -1,5 +1,6 @@
 #include "base/file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
@@ -73,6 +74,26 @@ std::string bytesOfFile(const std::filesystem::path& file, std::uintmax_t most) 
   in.read(bytes.data(), static_cast<std::streamsize>(size));
   bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
   return bytes;
+}
+
+SizedFile::SizedFile(const fs::path& path, std::uint64_t bytes)
+    : path_(path), file_(::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+  if (file_ < 0 || ::ftruncate(file_, static_cast<off_t>(bytes)) != 0) {
+    if (file_ >= 0) ::close(file_);
+    throw std::runtime_error(path.string() + ": cannot be written");
+  }
+}
+
+SizedFile::~SizedFile() { ::close(file_); }
+
+void SizedFile::put(std::uint64_t at, std::span<const unsigned char> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(at));
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) throw std::runtime_error(path_.string() + ": cannot be written");
+    at += static_cast<std::uint64_t>(put);
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+  }
 }
 
 }  // namespace foci

@@ -1,9 +1,10 @@
-// Names of files, and writing them so that no reader meets a half-written one.
+// Names of files, and writing them so that no reader meets a half-written one; files of known size.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace foci {
@@ -31,5 +32,21 @@ std::optional<std::filesystem::path> userFolder(const char* variable, const char
 
 /// @throws InputError if it is no regular file, cannot be read, or has more than `most` bytes
 std::string bytesOfFile(const std::filesystem::path& file, std::uintmax_t most);
+
+/// A new file of known size, written at any place by any number of threads.
+class SizedFile {
+ public:
+  /// Replaces what is there. @throws std::runtime_error
+  SizedFile(const std::filesystem::path& path, std::uint64_t bytes);
+  ~SizedFile();
+  SizedFile& operator=(SizedFile&&) = delete;  // nor copied
+
+  /// @throws std::runtime_error
+  void put(std::uint64_t at, std::span<const unsigned char> bytes);
+
+ private:
+  std::filesystem::path path_;
+  int file_;
+};
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "app/evaluation/ball.h"
+// A closed, textured mesh made in code: a scene whose truth is known apart from its surfels.
 
 #include <array>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "app/evaluation/scene_in_view.h"
 #include "base/image_codec.h"
 #include "render/optics/defocus.h"
 #include "render/scene/estimation/estimate.h"

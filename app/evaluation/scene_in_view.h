@@ -9,6 +9,7 @@
 #include "render/methods/method.h"
 #include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
+#include "render/scene/mesh/triangle_mesh.h"
 #include "render/scene/scene.h"
 
 namespace foci {
@@ -78,6 +79,15 @@ SceneInView fenceInView(int size_px);
 /// The garden of Gaussians. The blades are in focus.
 /// @param width_px  of an image of 16 : 9
 SceneInView gardenInView(int width_px);
+
+/// A lumpy ball of about `radius_m` around the origin, closed, with a texture of checks over a
+/// gradient. Every run makes the same bytes.
+TriangleMesh makeBallMesh(float radius_m);
+
+/// The ball sampled as any mesh is, before a light background. Its nearest point is in focus.
+/// `SurfelCloud::mesh` holds its triangles.
+/// @param size_px  side of the square image
+SceneInView ballInView(int size_px);
 
 /// Distance along the axis of one of `galleryPointsOfInterest()`.
 /// @param place  its name (asserted)

@@ -53,7 +53,7 @@ struct GpuFrameBlock {
 };
 static_assert(sizeof(GpuFrameBlock) == 17 * sizeof(glm::vec4));
 
-/// What the GPU reads and counts: shaders/totals.glsl (std430).
+/// What the GPU reads and counts: shaders/frame.glsl (std430).
 struct GpuTotals {
   std::uint32_t cut_nodes = 0, cut_entries = 0, cut_whole = 0;
   std::uint32_t nearest = 0xFFFFFFFFu, farthest = 0;

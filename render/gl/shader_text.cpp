@@ -100,9 +100,7 @@ std::string shaderText(const std::string& stage, const std::string& defines) {
       if (each == stage) text += shaderSource(file);
     }
   };
-  if (stage != "sum" && stage != "encode") {  // the stages of a frame
-    text += shaderSource("frame") + shaderSource("totals");
-  }
+  if (stage != "sum" && stage != "encode") text += shaderSource("frame");
   if (readsField(stage)) text += shaderSource("field");
   shared("keys", {"project", "gaussian_project"});
   shared("batches", {"sweep", "gaussian_composite"});

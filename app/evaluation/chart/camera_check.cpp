@@ -1,4 +1,4 @@
-#include "app/evaluation/chart/camera_check.h"
+// Compares the sharp image of another renderer's camera with the one expected.
 
 #include <algorithm>
 #include <cassert>
@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/evaluation/chart/import.h"
 #include "base/text.h"
 #include "render/image/srgb.h"
 

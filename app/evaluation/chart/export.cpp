@@ -3,8 +3,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
-#include "app/evaluation/chart/camera_files.h"
-#include "app/evaluation/chart/scene_files.h"
+#include "app/evaluation/chart/case_files.h"
 #include "app/graphics/image.h"
 #include "app/platform/json_text.h"
 #include "base/text.h"

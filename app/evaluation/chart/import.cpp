@@ -8,7 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "app/evaluation/chart/camera_check.h"
 #include "app/evaluation/chart/export.h"
 #include "app/evaluation/chart/scores.h"
 #include "app/evaluation/evaluation_page.h"

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/chart/points.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
+#include "render/image/frame.h"
 
 namespace foci {
 
@@ -29,5 +31,9 @@ std::vector<std::filesystem::path> importedFiles(const std::vector<ImportedPoint
 
 /// Stages the image of each point, and its difference from the reference.
 void writeImages(const std::vector<ImportedPoint>& points, OutputFolder& output);
+
+/// What is wrong with a sharp image: shifted, mirrored, in another gamma, or of another view. Empty
+/// if it agrees as well as the images of two renderers do. The frames have one size (asserted).
+std::string cameraFault(const Frame& sharp, const Frame& expected);
 
 }  // namespace foci

@@ -1,9 +1,10 @@
-#include "app/evaluation/chart/motion_path.h"
+// What moves in `foci chart --motion`: the head, the focus, the pupil and the gaze.
 
 #include <algorithm>
 #include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "app/evaluation/chart/motion.h"
 #include "base/quantile.h"
 #include "gaze/focus/accommodation.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/evaluation/ball.h"
+#include "app/evaluation/scene_in_view.h"
 #include "app/evaluation/timed_runs.h"
 #include "base/input_error.h"
 #include "base/text.h"

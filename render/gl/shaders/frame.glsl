@@ -1,4 +1,4 @@
-// What every stage of a frame shares: its parameters. Constants that the CPU has too come before it
+// What every stage of a frame shares: its parameters and counts. Constants that the CPU has too come before it
 // (shader_text.cpp).
 // render/gl/frame_stages.h fills the block.
 layout(std140, binding = 0) uniform Frame {
@@ -61,3 +61,17 @@ int samplesOf(ivec4 tile) { return tile.z / tile.w + (tile.w > 1 ? 2 * kApron : 
     sums[me] += before;                                    \
     barrier();                                             \
   }
+
+// What one stage counts and later stages and the host read. GpuTotals names the same places.
+layout(std430, binding = TOTALS_BINDING) buffer Totals {
+  uint cut_nodes, cut_entries, cut_whole;  // nodes; all; where whole nodes' surfels begin
+  uint nearest, farthest;  // bits of the splats' distances
+  uint list_entries;
+  uint splats;
+  uint work[3];            // work items: unblurred, whole aperture, sub-apertures
+  uint fragments_low, fragments_high;
+  uint longest_list, sweep_rounds;  // the most of a tile, and of a sample
+  uint unused[2];
+  uvec4 project_groups;    // numbers of work groups of indirect dispatches
+  uvec4 sweep_groups[3];
+};

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
-#include "base/sized_file.h"
 
 namespace foci {
 

@@ -8,10 +8,9 @@
 #include <random>
 #include <sstream>
 
-#include "app/evaluation/ball.h"
-#include "app/evaluation/chart/camera_check.h"
-#include "app/evaluation/chart/camera_files.h"
-#include "app/evaluation/chart/scene_files.h"
+#include "app/evaluation/chart/case_files.h"
+#include "app/evaluation/chart/import.h"
+#include "app/evaluation/scene_in_view.h"
 #include "app/graphics/image.h"
 #include "base/input_error.h"
 #include "render/image/image_file.h"

@@ -8,11 +8,11 @@
 #include <random>
 #include <set>
 
-#include "app/evaluation/ball.h"
 #include "app/evaluation/cells.h"
 #include "app/evaluation/chart/panel.h"
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/chart/points.h"
+#include "app/evaluation/scene_in_view.h"
 #include "app/graphics/plot.h"
 #include "base/file.h"
 #include "base/input_error.h"

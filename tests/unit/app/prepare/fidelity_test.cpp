@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "app/evaluation/ball.h"
+#include "app/evaluation/scene_in_view.h"
 #include "base/quantile.h"
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
