@@ -157,10 +157,10 @@ void bindScene(py::module_& module) {
       .def_property_readonly(
           "remarks", [](const PythonScene& s) { return s.opened().remarks; },
           "What is worth knowing about the file, a sentence each.")
-      .def("__len__", [](const PythonScene& s) { return s.scene().position_m().size(); })
+      .def("__len__", [](const PythonScene& s) { return s.scene().size(); })
       .def("__repr__", [](const PythonScene& s) {
-        return "<foci.Scene of " + std::to_string(s.scene().position_m().size()) +
-               (s.scene().gaussians() ? " Gaussians>" : " surfels>");
+        return "<foci.Scene of " + std::to_string(s.scene().size()) + " " +
+               std::visit([](const auto& cloud) { return cloud.kNoun; }, s.scene().splats) + ">";
       });
 
   module.def(

@@ -274,7 +274,7 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
     if (summary.fidelity)
       summary.warnings = fidelityWarnings(*summary.fidelity, cloud.size(), *opened.mesh);
   }
-  cloud = withTree(std::move(cloud));
+  cloud = withTree(cloud);
   summary.levels = normalisationOfLevels(*treeOf(cloud));
   return {{std::move(cloud)},
           {.mesh = summary.of_mesh,

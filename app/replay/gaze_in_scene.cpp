@@ -43,9 +43,11 @@ std::vector<PathFrom> pathsOf(const Study& study, const ReplayedGaze& gaze) {
 class Looker {
  public:
   Looker(const Study& study, const ReplayedGaze& gaze, const Scene& scene)
-      : study_(study), gaze_(gaze), query_(scene), paths_(pathsOf(study, gaze)) {
-    if (const SurfelCloud* const surfels = scene.surfels()) objects_ = surfels->objects;
-  }
+      : study_(study),
+        gaze_(gaze),
+        query_(scene),
+        objects_(scene.objects()),
+        paths_(pathsOf(study, gaze)) {}
 
   const SceneObjects& objects() const { return objects_; }  // of the scene
 
@@ -92,8 +94,8 @@ class Looker {
   const Study& study_;
   const ReplayedGaze& gaze_;
   SurfaceQuery query_;
+  const SceneObjects& objects_;
   std::vector<PathFrom> paths_;
-  SceneObjects objects_;
 };
 
 /// The samples of the replayed time, without what they meet; `source` gets their numbers.
@@ -256,7 +258,7 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Sc
   std::vector<std::size_t> source;
   found.samples = samplesOf(gaze, judged.states, source);
   if (attention) {
-    found.attention_s.assign(scene.position_m().size(), 0.0);
+    found.attention_s.assign(scene.size(), 0.0);
     found.heat_s_per_m2 = found.attention_s;
   }
   std::optional<Progress> progress;

@@ -44,6 +44,32 @@ double scaleOf(const std::vector<double>& attention_s, const std::vector<double>
   return 0.0;
 }
 
+/// Gives each surfel or Gaussian the display colour `codeOf(i, linear)`.
+void recolor(SurfelCloud& cloud, const auto& codeOf) {
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.color[i] = linearOf(codeOf(i, std::as_const(cloud).color[i]));
+  }
+}
+void recolor(GaussianCloud& cloud, const auto& codeOf) {
+  cloud.degree = 0;
+  cloud.tree.reset();
+  cloud.harmonics.clear();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.color[i] = codeOf(i, linearOf(displayColorOf(cloud, i)));
+  }
+}
+
+void addColors(PointCloud& points, const SurfelCloud& cloud) {
+  points.color.assign(cloud.color.begin(), cloud.color.end());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    points.normal.push_back(glm::normalize(
+        glm::cross(glm::normalize(cloud.axis_u_m[i]), glm::normalize(cloud.axis_v_m[i]))));
+  }
+}
+void addColors(PointCloud& points, const GaussianCloud& cloud) {
+  for (const glm::vec3& code : cloud.color) points.color.push_back(linearOf(code));
+}
+
 HeatPicture pictureFrom(Method& method, const glm::dvec3& eye_m, const glm::dvec3& middle_m,
                         const glm::dvec3& up, const glm::ivec2& size_px, std::string caption) {
   const glm::dvec3 towards = glm::normalize(middle_m - eye_m);
@@ -69,19 +95,7 @@ HeatMap heatMapOf(const Scene& scene, const GazeInScene& gaze, ColorMap colors) 
     const double share = scaled ? gaze.heat_s_per_m2[i] / map.most_s_per_m2 : 0.0;
     return heatAt(colors, static_cast<float>(std::min(share, 1.0)), srgbFromLinear(grey));
   };
-  if (auto* const surfels = std::get_if<SurfelCloud>(&map.scene.splats)) {
-    for (std::size_t i = 0; i < surfels->size(); ++i) {
-      surfels->color[i] = linearOf(codeOf(i, std::as_const(*surfels).color[i]));
-    }
-    return map;
-  }
-  auto& heated = std::get<GaussianCloud>(map.scene.splats);
-  heated.degree = 0;
-  heated.tree.reset();
-  heated.harmonics.clear();
-  for (std::size_t i = 0; i < heated.size(); ++i) {
-    heated.color[i] = codeOf(i, linearOf(displayColorOf(heated, i)));
-  }
+  std::visit([&](auto& cloud) { recolor(cloud, codeOf); }, map.scene.splats);
   return map;
 }
 
@@ -127,15 +141,7 @@ void writeHeatPly(const std::filesystem::path& file, const Scene& heat,
   PointCloud points;
   const std::span<const glm::vec3> all_m = heat.position_m();
   points.position_m.assign(all_m.begin(), all_m.end());
-  if (const SurfelCloud* const surfels = heat.surfels()) {
-    points.color.assign(surfels->color.begin(), surfels->color.end());
-    for (std::size_t i = 0; i < surfels->size(); ++i) {
-      points.normal.push_back(glm::normalize(
-          glm::cross(glm::normalize(surfels->axis_u_m[i]), glm::normalize(surfels->axis_v_m[i]))));
-    }
-  } else {
-    for (const glm::vec3& code : heat.gaussians()->color) points.color.push_back(linearOf(code));
-  }
+  std::visit([&](const auto& cloud) { addColors(points, cloud); }, heat.splats);
   const std::vector<float> seconds(attention_s.begin(), attention_s.end());
   writePly(file, points, {.name = "attention_s", .values = seconds});
 }

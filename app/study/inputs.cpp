@@ -18,7 +18,7 @@
 #include "render/optics/view.h"
 #include "render/scene/gaussian_tree.h"
 #include "render/scene/io/mesh_files.h"
-#include "render/scene/joined_scene.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 namespace {
@@ -137,7 +137,8 @@ Scene opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, bool cach
   OpenedScene scene = openScene(std::move(file), scale_m, eye_m, fineness, store);
   warnings.addAll(path.string(), scene.remarks);
   // The order of their tree, which those of the cache have.
-  return withSurfelTree(std::move(scene.scene));
+  if (auto sorted = withSurfelTree(scene.scene)) return std::move(*sorted);
+  return std::move(scene.scene);
 }
 
 glm::vec3 startOfEye_m(const Study& study) {
@@ -186,7 +187,7 @@ Scene withParts(const Study& study, Scene scene, Warnings& warnings) {
     const glm::vec3 eye_m =
         glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
     Scene more = opened(readScene(part.file), part.scale_m, eye_m, study.scene.cache, warnings);
-    if (!scene.gaussians()) captured = part.file.string();
+    if (!scene.preservesLight()) captured = part.file.string();
     if (const auto remark = lowPassRemark(scene, captured, more, part.file.string())) {
       warnings.add(study.file.string(), *remark);
     }

@@ -121,6 +121,20 @@ Coarseness coarsenessOf(const LodNode& node) {
   return {coarse_m2, coarse_m2};
 }
 
+std::optional<Scene> sortedByTree(const SurfelCloud& cloud) { return Scene{withTree(cloud)}; }
+std::optional<Scene> sortedByTree(const GaussianCloud& /*cloud*/) { return std::nullopt; }
+
+/// The tree of a large scene; else null.
+std::shared_ptr<const MomentTree> largeTree(const SurfelCloud& cloud, std::size_t large) {
+  return cloud.size() > large ? builtTree(cloud) : nullptr;
+}
+std::shared_ptr<const MomentTree> largeTree(const GaussianCloud& /*cloud*/, std::size_t /*large*/) {
+  return nullptr;
+}
+std::shared_ptr<const MomentTree> largeTree(const Scene& scene, std::size_t large) {
+  return std::visit([&](const auto& cloud) { return largeTree(cloud, large); }, scene.splats);
+}
+
 }  // namespace
 
 double seenArea_m2(const NodeSums& sums) {
@@ -257,18 +271,15 @@ std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud) {
   return unchanged ? tree : nullptr;
 }
 
-SurfelCloud withTree(SurfelCloud cloud) {
+SurfelCloud withTree(const SurfelCloud& cloud) {
   if (builtTree(cloud)) return cloud;
   SurfelCloud sorted = surfelsOf(std::make_shared<const MomentTree>(cloud));
-  sorted.mesh = std::move(cloud.mesh);
+  sorted.mesh = cloud.mesh;
   return sorted;
 }
 
-Scene withSurfelTree(Scene scene) {
-  if (auto* const surfels = std::get_if<SurfelCloud>(&scene.splats)) {
-    *surfels = withTree(std::move(*surfels));
-  }
-  return scene;
+std::optional<Scene> withSurfelTree(const Scene& scene) {
+  return std::visit([](const auto& cloud) { return sortedByTree(cloud); }, scene.splats);
 }
 
 std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud) {
@@ -314,21 +325,21 @@ void MomentTree::findFacing() {
   }
 }
 
+bool isLarge(const Scene& scene) { return largeTree(scene, kLargeScene) != nullptr; }
+
 std::optional<Scene> outlineOf(const Scene& scene, std::size_t large) {
   constexpr int kLevel = 16;
-  const SurfelCloud* const cloud = scene.surfels();
-  const auto built = cloud != nullptr ? builtTree(*cloud) : nullptr;
-  if (!built || cloud->size() <= large) return std::nullopt;
-  const MomentTree& tree = *built;
+  const auto tree = largeTree(scene, large);
+  if (!tree) return std::nullopt;
   SurfelCloud outline;
-  const std::size_t first = std::size_t{1} << std::min(kLevel, tree.levels() - 1);
+  const std::size_t first = std::size_t{1} << std::min(kLevel, tree->levels() - 1);
   for (std::size_t i = first; i < 2 * first; ++i) {
-    const LodNode& node = tree.nodes()[i];
+    const LodNode& node = tree->nodes()[i];
     appendSurfel(outline, node.position_m, unpackNormal(node.normal), node.radius_m / 3.0f,
                  node.density * node.trace_m2(), node.color,
                  static_cast<float>(node.opacity) * (1.0f / 65535.0f));
   }
-  outline.oriented = cloud->oriented;
+  outline.oriented = tree->surfels().oriented;
   return Scene{std::move(outline)};
 }
 

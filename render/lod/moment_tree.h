@@ -159,16 +159,17 @@ SurfelCloud surfelsOf(std::shared_ptr<const MomentTree> tree);
 std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud);
 
 /// The cloud in the order of its tree, with the tree. The cloud itself where it has one.
-SurfelCloud withTree(SurfelCloud cloud);
+SurfelCloud withTree(const SurfelCloud& cloud);
 
-/// The same of a scene. Gaussians stay as they are.
-Scene withSurfelTree(Scene scene);
+/// The same of a scene; absent for Gaussians.
+std::optional<Scene> withSurfelTree(const Scene& scene);
 
 /// The cloud's tree, or a new one.
 std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud);
 
 /// A scene with a tree counts as large if it has more surfels.
 inline constexpr std::size_t kLargeScene = std::size_t{1} << 24;
+bool isLarge(const Scene& scene);
 
 /// The nodes of a middle level of the tree as round surfels. Each reaches as far as its node at
 /// three standard deviations. Absent if the scene is not large, or has no tree.

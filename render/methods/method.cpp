@@ -55,6 +55,14 @@ const MethodEntry* entryOf(std::string_view name) {
   return found == all.end() ? nullptr : &*found;
 }
 
+bool renders(const MethodInfo& /*method*/, const SurfelCloud& /*cloud*/) { return true; }
+bool renders(const MethodInfo& method, const GaussianCloud& /*cloud*/) { return method.gaussians; }
+
+bool rendersOnGpu(const MethodInfo& method, const SurfelCloud& /*cloud*/) { return method.gpu; }
+bool rendersOnGpu(const MethodInfo& method, const GaussianCloud& /*cloud*/) {
+  return method.gaussians;
+}
+
 /// A parsed spec.
 struct Choice {
   const MethodEntry* entry = nullptr;  ///< null: the spec is invalid
@@ -226,14 +234,16 @@ std::optional<std::string> expectedMethod(std::string_view spec) {
 std::vector<std::string_view> methodsFor(const Scene& scene) {
   std::vector<std::string_view> names;
   for (const MethodInfo& method : methods()) {
-    if (scene.surfels() || method.gaussians) names.push_back(method.name);
+    if (std::visit([&](const auto& cloud) { return renders(method, cloud); }, scene.splats)) {
+      names.push_back(method.name);
+    }
   }
   return names;
 }
 
 bool rendersOnGpu(std::string_view spec, const Scene& scene) {
-  const MethodInfo& info = methodInfo(spec);
-  return scene.surfels() ? info.gpu : info.gaussians;
+  const MethodInfo& method = methodInfo(spec);
+  return std::visit([&](const auto& cloud) { return rendersOnGpu(method, cloud); }, scene.splats);
 }
 
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,

@@ -46,6 +46,8 @@ inline constexpr float kMinAlpha = 1.0f / 255.0f;
 ///
 ///   0.5 + sum over i of coefficient_i Y_i(direction from the eye), at least 0     (harmonics.h)
 struct GaussianCloud {
+  static constexpr const char* kNoun = "Gaussians";
+
   std::vector<glm::vec3> position_m;
   std::vector<Covariance3> covariance_m2;
   std::vector<float> opacity;    ///< 0 to 1

@@ -73,6 +73,8 @@ class BuiltTree {
 /// area. With these weights the kernels of a well-sampled surface sum to one at every pixel
 /// (docs/formulas.md, section 2).
 struct SurfelCloud {
+  static constexpr const char* kNoun = "surfels";
+
   MappedVector<glm::vec3> position_m;
   MappedVector<glm::vec3> axis_u_m;
   MappedVector<glm::vec3> axis_v_m;

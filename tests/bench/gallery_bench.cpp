@@ -52,7 +52,7 @@ void BM_GalleryReplay(benchmark::State& state) {
       errors.push_back(record.stats.tolerance_error.value_or(0.0));
     }
   }
-  state.counters["surfels"] = static_cast<double>(scene.position_m().size());
+  state.counters["surfels"] = static_cast<double>(scene.size());
   state.counters["splats"] = quantile(splats, 0.5);
   state.counters["error"] =
       quantile(errors, 0.5);  // just-noticeable differences, predicted by auto

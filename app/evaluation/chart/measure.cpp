@@ -49,7 +49,7 @@ class ChartGroup {
   }
 
   /// The reference renders `seen`, every surfel, so that it does not depend on the tree's order.
-  /// @param shared  its scene; surfels with the tree that all methods share
+  /// @param shared  its scene; surfels in the order of the tree that all methods share
   void measure(const SceneInView& seen, const Scene& shared) {
     shared_ = &shared;
     aperture_m_ = blur_px_ / seen.largestBlurThrough_px(1.0);
@@ -254,7 +254,7 @@ Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
   Measured<ChartPoint> result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
-    std::optional<Scene> shared;
+    std::optional<Scene> sorted;
     if (!scene.input.empty()) {  // its warnings stand on the page, also if all cells are kept
       seen = scene.make();
       result.warnings = seen->warnings;
@@ -270,8 +270,8 @@ Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
         on_steps(1 + scene.methods.size() * (1 + plan.threads.size()));
       } else {
         if (!seen) seen = scene.make();
-        if (!shared) shared = withSurfelTree(seen->scene);
-        group.measure(*seen, *shared);
+        if (!sorted) sorted = withSurfelTree(seen->scene);
+        group.measure(*seen, sorted ? *sorted : seen->scene);
       }
       group.addTo(result);
     }

@@ -39,7 +39,7 @@ constexpr int kWarmUp = 8;                // frames, in which `auto` learns how 
 struct MotionScene {
   MotionScene(const ChartScene& scene, const MotionPlan& plan)
       : seen(scene.make()),
-        shared(withSurfelTree(seen.scene)),
+        sorted(withSurfelTree(seen.scene)),
         aperture_m(plan.blur_px / seen.largestBlurThrough_px(1.0)),
         exact(makeMethod("accumulate:" + std::to_string(plan.views), seen.scene)) {}  // no nodes
 
@@ -74,7 +74,7 @@ struct MotionScene {
     int paths_ago = 0;
   };
   SceneInView seen;
-  Scene shared;
+  std::optional<Scene> sorted;  // of surfels, so that all methods share their tree
   double aperture_m;
   std::unique_ptr<Method> exact;
   std::list<Reference> references{};
@@ -87,7 +87,7 @@ class MotionRun {
       : scene_(scene),
         name_(std::move(method)),
         budget_ms_(budget_ms),
-        method_(makeMethod(name_, scene.shared)) {}
+        method_(makeMethod(name_, scene.sorted ? *scene.sorted : scene.seen.scene)) {}
 
   /// The frames of a step, one for each view.
   const std::vector<Frame>& render(const MotionStep& step) {

@@ -20,7 +20,7 @@
 #include "render/lod/moment_tree.h"
 #include "render/methods/quality_level.h"
 #include "render/scene/gaussian_tree.h"
-#include "render/scene/joined_scene.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 namespace {
@@ -76,7 +76,7 @@ struct GrownScene {
     if (point.gaussians) {
       seen.scene = {withTree(gaussiansOf(surfels))};
     } else {
-      seen.scene = {withTree(std::move(surfels))};
+      seen.scene = {withTree(surfels)};
     }
     spent.addTo(ms, cpu_ms);
     prepared.ms = ms[0];

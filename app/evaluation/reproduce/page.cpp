@@ -181,8 +181,7 @@ std::string reproducePage(const ReproduceFacts& facts) {
   out << "<h2>The figures to reach</h2>\n" << ratioTable(facts) << ratioText(facts);
   for (const ReproducedScene& one : facts.scenes) {
     out << "<h2>Table 1: " << escaped(one.scene.name) << ", "
-        << thousands(static_cast<double>(one.scene.scene.position_m().size()))
-        << " surfels, 512 &times; 512 px"
+        << thousands(static_cast<double>(one.scene.scene.size())) << " surfels, 512 &times; 512 px"
         << "</h2>\n"
         << chartOf(one.scene, one.result.rows, facts.threads.back())
         << tableHtml(one, facts.threads) << referenceText(one);

@@ -80,7 +80,7 @@ std::size_t allocatedBytes() {
 
 Growth::Size measurePlane(std::size_t surfels, const std::function<void()>& on_frame) {
   const ReproduceScene plane = planeScene(static_cast<int>(std::ceil(std::sqrt(surfels))));
-  Growth::Size size{.surfels = plane.scene.position_m().size()};
+  Growth::Size size{.surfels = plane.scene.size()};
   const std::size_t before = allocatedBytes();
   const auto start = std::chrono::steady_clock::now();
   const auto method = makeMethod("sweep-lod", plane.scene);

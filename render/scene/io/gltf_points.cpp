@@ -15,7 +15,7 @@
 #include "render/scene/io/gltf_scene.h"
 #include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/scan_values.h"
-#include "render/scene/joined_scene.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 namespace {

@@ -8,7 +8,6 @@
 #include "render/lod/moment_tree.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/scan_values.h"
-#include "render/scene/joined_scene.h"
 
 namespace foci {
 namespace {
@@ -111,7 +110,7 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
   }
   const auto factor = static_cast<float>(scale_m);
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
-    if (scale_m != 1.0 && outlineOf(prepared->scene)) {
+    if (scale_m != 1.0 && isLarge(prepared->scene)) {
       throw InputError(
           file.path.string(),
           "stays in its file, in metres, because it is large: expected scene.scale_m = 1");

@@ -64,7 +64,7 @@ SceneFacts factsOfContent(const PreparedScene& file) {
   SceneFacts facts =
       std::visit([&](const auto& cloud) { return factsOfPrepared(cloud, file.origin); },
                  (outline ? *outline : file.scene).splats);
-  if (outline) facts.surfels = file.scene.position_m().size();
+  if (outline) facts.surfels = file.scene.size();
   facts.large = outline.has_value();
   facts.unit_m = 1.0;
   return facts;

@@ -105,7 +105,7 @@ TEST(HeatMap, OfGaussiansHasTheTimeOfGazeAndItsDensity) {
   }
   const Scene scene{std::move(wall)};
   GazeInScene gaze;
-  gaze.attention_s.assign(scene.position_m().size(), 0.0);
+  gaze.attention_s.assign(scene.size(), 0.0);
   gaze.heat_s_per_m2 = gaze.attention_s;
   // Gaze rests for 1 s on each of 21 x 21 places, a centimetre apart.
   double shares = 0.0;

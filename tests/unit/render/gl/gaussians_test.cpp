@@ -6,7 +6,7 @@
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/lens_gaussians.h"
 #include "render/scene/gaussian_tree.h"
-#include "render/scene/joined_scene.h"
+#include "render/scene/scene.h"
 #include "tests/unit/render/captured_scenes.h"
 #include "tests/unit/render/gl/same_picture.h"
 #include "tests/unit/render/gl/test_device.h"
@@ -162,7 +162,7 @@ TEST_F(GpuGaussianPicture, IsTheSameOfSurfacesAndGaussiansTogether) {
   addSheet(sheet, 1.4f, 0.8f, 20, {0.7f, 0.7f, 0.1f}, 0.2f);
   const Scene scene = joined({walls()}, {std::move(sheet)}, "sheet");
   ASSERT_TRUE(scene.gaussians());
-  ASSERT_GT(scene.position_m().size(), walls().size());
+  ASSERT_GT(scene.size(), walls().size());
   for (const char* method : {"sweep:7", "sweep-lod:7", "auto"}) {
     expectSamePicture(method, scene, view, lens(12.0f, 0.8f), gpu);
   }

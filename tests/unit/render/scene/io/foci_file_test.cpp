@@ -204,7 +204,7 @@ TEST_F(FociFileTest, PartsMakeOneTree) {
   writer.finish();
   const PreparedScene read = readSceneFile(path_);
   EXPECT_EQ(read.origin.up_axis, 1);
-  ASSERT_EQ(read.scene.position_m().size(), kPart << kLevel);
+  ASSERT_EQ(read.scene.size(), kPart << kLevel);
   expectTreeOf(*read.scene.surfels());
 }
 

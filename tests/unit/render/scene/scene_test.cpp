@@ -1,4 +1,4 @@
-#include "render/scene/joined_scene.h"
+#include "render/scene/scene.h"
 
 #include <gtest/gtest.h>
 
