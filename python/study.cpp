@@ -11,7 +11,6 @@
 #include "app/replay/fixation_tables.h"
 #include "app/replay/replay.h"
 #include "app/replay/replayed_eye.h"
-#include "app/study/scene_study.h"
 #include "app/study/study_request.h"
 #include "python/bindings.h"
 #include "python/scene.h"

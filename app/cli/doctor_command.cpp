@@ -14,7 +14,7 @@
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/version.h"
-#include "app/study/scene_cache.h"
+#include "app/study/load_scene.h"
 #include "app/window/display.h"
 #include "base/text.h"
 #include "gaze/webcam/face_networks.h"

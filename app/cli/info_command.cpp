@@ -9,7 +9,6 @@
 #include "app/platform/output_files.h"
 #include "app/replay/render_image.h"
 #include "app/study/inputs.h"
-#include "app/study/scene_study.h"
 #include "app/study/scene_text.h"
 #include "app/study/study_request.h"
 #include "base/input_error.h"

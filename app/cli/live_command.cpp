@@ -13,6 +13,7 @@
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/study/inputs.h"
+#include "app/study/session_settings_of.h"
 #include "app/study/study_text.h"
 #include "base/input_error.h"
 #include "base/text.h"

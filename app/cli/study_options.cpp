@@ -2,7 +2,6 @@
 
 #include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
-#include "app/study/scene_study.h"
 
 namespace foci {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "app/platform/sha256.h"
-#include "app/study/inputs.h"
+#include "app/platform/warnings.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/lod/surface_query.h"

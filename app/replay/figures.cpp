@@ -11,7 +11,7 @@
 #include "app/platform/warnings.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"
-#include "app/study/inputs.h"
+#include "app/study/load_scene.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "base/rows.h"

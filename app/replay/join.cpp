@@ -6,6 +6,7 @@
 #include "app/platform/sha256.h"
 #include "app/replay/replay_inputs.h"
 #include "app/study/inputs.h"
+#include "app/study/load_scene.h"
 #include "app/study/recorded_head.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"

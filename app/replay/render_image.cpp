@@ -6,7 +6,7 @@
 #include "app/platform/output_files.h"
 #include "app/replay/frame_maps.h"
 #include "app/session/session.h"
-#include "app/study/inputs.h"
+#include "app/study/load_scene.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "base/text.h"

@@ -8,6 +8,7 @@
 #include "app/record/later_image.h"
 #include "app/replay/replayed_eye.h"
 #include "app/study/inputs.h"
+#include "app/study/load_scene.h"
 #include "app/study/session_settings_of.h"
 #include "base/parallel.h"
 

@@ -1,24 +1,19 @@
 #include "app/study/inputs.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
-#include "app/study/scene_cache.h"
 #include "app/study/session_settings_of.h"
-#include "app/study/view_remarks.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/live/simulator.h"
 #include "gaze/sources/trace_reader.h"
-#include "render/lod/moment_tree.h"
 #include "render/optics/view.h"
-#include "render/scene/gaussian_tree.h"
+#include "render/scene/builtin/procedural.h"
 #include "render/scene/io/mesh_files.h"
-#include "render/scene/scene.h"
 
 namespace foci {
 namespace {
@@ -112,113 +107,6 @@ GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
     throw InputError(nameOf(place), "no eyes in any frame: expected a face before the camera");
   return trace;
 }
-
-}  // namespace
-
-EyePose builtinPose(const Study& study) {
-  return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
-}
-
-namespace {
-
-/// @param eye_m     in the frame of the file
-/// @param cached    whether surfels are kept for other runs
-/// @param fineness  of a streamed scene
-Scene opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, bool cached,
-             Warnings& warnings, const Fineness& fineness = {}) {
-  const std::filesystem::path path = file.path;
-  const auto folder = cached ? SceneCache::userFolder() : std::nullopt;
-  SurfelStore store;
-  if (folder) {
-    store = [cache = SceneCache(*folder)](const SurfelSource& source, const auto& make) {
-      return cache.surfelsOf(source, make);
-    };
-  }
-  OpenedScene scene = openScene(std::move(file), scale_m, eye_m, fineness, store);
-  warnings.addAll(path.string(), scene.remarks);
-  // The order of their tree, which those of the cache have.
-  if (auto sorted = withSurfelTree(scene.scene)) return std::move(*sorted);
-  return std::move(scene.scene);
-}
-
-glm::vec3 startOfEye_m(const Study& study) {
-  return glm::vec3(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
-}
-
-/// How fine a captured scene has to be: a pixel, at the distance of a box from the eye. Out of an
-/// eye's view that does not move, the coarsest level will do.
-Fineness finenessOf(const Study& study) {
-  const View view = firstViewOf(study);
-  const bool moves = study.eye.recorded || !study.eye.path.empty();
-  const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
-  return [=, eye_m = startOfEye_m(study)](const glm::vec3& low, const glm::vec3& high) {
-    const glm::vec3 nearest = glm::clamp(eye_m, low, high), middle = 0.5f * (low + high);
-    const glm::vec3 p(view.eye_from_world * glm::vec4(middle, 1.0f));
-    const glm::vec2 aside =
-        (glm::abs(glm::vec2(p)) + p.z * tangent) / glm::sqrt(1.0f + tangent * tangent);
-    const float radius = 0.5f * glm::distance(low, high);
-    const bool is_in_view = p.z < radius && aside.x < radius && aside.y < radius;
-    if (!moves && !is_in_view) return std::numeric_limits<float>::infinity();
-    return std::max(glm::distance(eye_m, nearest), view.near_m) / view.focal_px.y;
-  };
-}
-
-Scene loadSceneFile(const Study& study, std::optional<SceneFile>&& file, Warnings& warnings) {
-  if (!file) file = readScene(*study.scene.file);
-  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), study.scene.cache,
-                warnings, finenessOf(study));
-}
-
-Scene withParts(const Study& study, Scene scene, Warnings& warnings) {
-  // The file of the first Gaussians: they say how small ones are low-passed.
-  std::string captured = study.scene.file ? study.scene.file->string() : study.scene.builtin;
-  for (std::size_t i = 0; i < study.scene.parts.size(); ++i) {
-    const ScenePart& part = study.scene.parts[i];
-    std::error_code ignored;
-    if (!std::filesystem::exists(part.file, ignored)) {
-      throw InputError(study.file.string(), "scene.part, entry " + std::to_string(i + 1) +
-                                                ": file = " + quotedText(part.file.string()) +
-                                                ": no such file");
-    }
-    const glm::dvec4 q = glm::normalize(part.rotation);
-    const Placement place{.position_m = glm::vec3(part.position_m),
-                          .rotation = glm::quat(static_cast<float>(q.w), static_cast<float>(q.x),
-                                                static_cast<float>(q.y), static_cast<float>(q.z))};
-    const glm::vec3 eye_m =
-        glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
-    Scene more = opened(readScene(part.file), part.scale_m, eye_m, study.scene.cache, warnings);
-    if (!scene.preservesLight()) captured = part.file.string();
-    if (const auto remark = lowPassRemark(scene, captured, more, part.file.string())) {
-      warnings.add(study.file.string(), *remark);
-    }
-    scene = joined(std::move(scene), placed(std::move(more), place), part.file.stem().string());
-  }
-  return scene;
-}
-
-Scene builtinScene(const Study& study) {
-  return {study.scene.builtin == "plane" ? makePlane() : makeGallery()};
-}
-
-/// The scene in the order of its tree, which all methods and the gaze's distance then share.
-Scene sorted(Scene scene) {
-  return std::visit([](auto& cloud) { return Scene{withTree(std::move(cloud))}; }, scene.splats);
-}
-
-}  // namespace
-
-Scene loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> file) {
-  Scene first =
-      study.scene.file ? loadSceneFile(study, std::move(file), warnings) : builtinScene(study);
-  Scene scene = withParts(study, std::move(first), warnings);
-  if (study.scene.file || study.eye.position_m || !study.eye.path.empty() || study.eye.recorded) {
-    warnings.addAll(study.file.string(), viewRemarks(study, scene));
-  }
-  warnings.add(study.file.string(), memoryRemark(study, scene));
-  return sorted(std::move(scene));
-}
-
-namespace {
 
 GazeTrace loadNamedGaze(const Study& study) {
   if (study.gazeIsSimulated()) return simulate(study);

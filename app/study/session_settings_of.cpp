@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/study/eye_tables.h"
-#include "app/study/inputs.h"
 #include "base/input_error.h"
 #include "render/methods/method.h"
 #include "render/optics/wavefront.h"
@@ -59,6 +58,10 @@ std::optional<FieldAberrations> fieldOf(const FieldChoice& choice) {
 }
 
 }  // namespace
+
+EyePose builtinPose(const Study& study) {
+  return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
+}
 
 EyePath eyePathOf(const Study& study) {
   const std::string file = study.file.string();

@@ -5,11 +5,15 @@
 
 #include "app/session/session_settings.h"
 #include "app/study/study.h"
+#include "render/scene/builtin/procedural.h"
 
 namespace foci {
 
 /// What the session of a study shows. The study has been checked (`checkStudy`).
 SessionSettings sessionSettingsOf(const Study& study);
+
+/// The pose from which a built-in scene is seen if the study names none.
+EyePose builtinPose(const Study& study);
 
 /// Where the eye of a study is over time. Its errors name the study's file.
 EyePath eyePathOf(const Study& study);

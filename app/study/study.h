@@ -68,7 +68,7 @@ struct Study {
     std::optional<std::filesystem::path> file;
     std::string builtin = "gallery";  ///< shown if there is no file
     double scale_m = 1.0;             ///< metres per unit of the file
-    bool cache = true;                ///< the user's (scene_cache.h)
+    bool cache = true;                ///< the user's (load_scene.h)
     std::vector<NamedShape> objects;  ///< what gaze meets within them is on them
     std::vector<ScenePart> parts;     ///< join the file or the built-in scene
   } scene;

@@ -1,6 +1,8 @@
-// What a user asks for: a study or a scene, and what overrides its keys.
+// What a user asks for: a study, or a scene, which gets a study with automatic framing; and what
+// overrides its keys.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,5 +44,18 @@ struct StudyAsked {
 /// automatic framing, which a line on standard error describes.
 /// @throws InputError
 StudyAsked studyOf(const StudyRequest& options);
+
+/// A study of the scene with defaults for everything; `frameScene` adds scale and eye. Its messages
+/// name the scene.
+Study studyOfScene(const std::filesystem::path& scene);
+
+/// Sets scale and eye of a study of a scene file. A scene of one colour is shaded, so that its
+/// shape shows.
+void frameScene(Study& study, const SceneFacts& facts, const Framing& framing);
+
+/// A study that `readStudy` takes, with comments. Its paths are relative to the folder of `file`.
+/// @param about  more lines for its head; may be empty
+std::string writtenStudy(const std::filesystem::path& file, const Study& study,
+                         const std::string& about);
 
 }  // namespace foci

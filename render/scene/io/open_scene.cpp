@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/estimation/estimate.h"
-#include "render/scene/io/scan_values.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 namespace {
@@ -32,49 +32,12 @@ std::shared_ptr<const TriangleMesh> scaledMesh(MeshFile&& file, float factor) {
   return mesh;
 }
 
-/// Whether a point's normal has to be estimated.
-bool lacksNormals(const PointCloud& points) {
-  return points.normal.empty() ||
-         std::ranges::find(points.normal, glm::vec3(0.0f)) != points.normal.end();
-}
-
 }  // namespace
 
 std::vector<std::string> droppedRemarks(std::size_t dropped, const std::string& what) {
   if (dropped == 0) return {};
   return {counted(dropped, what) +
           " left out: not finite, or farther than 1e9 units from the origin"};
-}
-
-bool isScene(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return true;  // refused, with the reason
-  const FileStart start(path);
-  return formatOf(start) != nullptr || refusalOf(start).has_value();
-}
-
-SceneFile readScene(const std::filesystem::path& given, std::uint64_t checked_B) {
-  std::error_code ignored;
-  const std::filesystem::path path = sceneFileIn(given);
-  if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw InputError(path.string(), "is a folder, not a file: give the scene in it");
-  }
-  requireRegularFile(path);
-  const FileStart start(path);
-  if (const auto refusal = refusalOf(start)) throw InputError(path.string(), *refusal);
-  const SceneFormat* const format = formatOf(start);
-  if (format == nullptr) {
-    throw InputError(path.string(),
-                     start.bytes.empty()
-                         ? "is empty"
-                         : "is no scene that foci reads (docs/scenes.md lists the formats and "
-                           "their extensions); points as text begin with numbers, or with a line "
-                           "of names that has x, y and z");
-  }
-  SceneFile file{path, format->read(path, checked_B), format->kind};
-  if (auto* const points = std::get_if<PointCloud>(&file.content)) remarkDegrees(*points);
-  return file;
 }
 
 OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling) {
@@ -97,18 +60,17 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
 }
 
 OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm::vec3>& viewpoint_m,
-                      const Fineness& fineness, const SurfelStore& store) {
+                      const Fineness& fineness, std::optional<SurfelCloud> made) {
+  const auto factor = static_cast<float>(scale_m);
   const auto surfelsAt = [&](PointCloud&& points) {
     return surfelsFromPoints(std::move(points), {.viewpoint_m = viewpoint_m});
   };
   if (const auto* const streamed = std::get_if<StreamedGaussians>(&file.content)) {
-    const auto unit_m = static_cast<float>(scale_m);
     const Fineness in_file = [&](const glm::vec3& low, const glm::vec3& high) {
-      return fineness(unit_m * low, unit_m * high) / unit_m;
+      return fineness(factor * low, factor * high) / factor;
     };
     file.content = streamed->read(fineness ? in_file : Fineness{});
   }
-  const auto factor = static_cast<float>(scale_m);
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
     if (scale_m != 1.0 && isLarge(prepared->scene)) {
       throw InputError(
@@ -136,24 +98,16 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
     remarks.insert(remarks.end(), gaussians->remarks.begin(), gaussians->remarks.end());
     return {std::move(scene), std::move(remarks)};
   }
-  const auto surfelsOf = [&](const SurfelSource& source, const std::function<SurfelCloud()>& make) {
-    return store ? store(source, make) : make();
-  };
   if (auto* const read = std::get_if<MeshFile>(&file.content)) {
-    auto mesh = scaledMesh(std::move(*read), factor);
-    SurfelCloud cloud = surfelsOf({.mesh = mesh.get()},
-                                  [&] { return surfelsAt(sampleMesh(*mesh, file.path, {})); });
-    std::vector<std::string> remarks = mesh->remarks;
-    cloud.mesh = std::move(mesh);
-    return {{std::move(cloud)}, std::move(remarks)};
+    const auto mesh = scaledMesh(std::move(*read), factor);
+    SurfelCloud cloud = made ? std::move(*made) : surfelsAt(sampleMesh(*mesh, file.path, {}));
+    cloud.mesh = mesh;
+    return {{std::move(cloud)}, mesh->remarks};
   }
   PointCloud points = openPoints(std::move(file), scale_m).points;
   std::vector<std::string> remarks = droppedRemarks(points.dropped, "point");
   remarks.insert(remarks.end(), points.remarks.begin(), points.remarks.end());
-  const SurfelSource source{.points = &points,
-                            .viewpoint_m = lacksNormals(points) ? viewpoint_m : std::nullopt};
-  SurfelCloud cloud = surfelsOf(source, [&] { return surfelsAt(std::move(points)); });
-  return {{std::move(cloud)}, std::move(remarks)};
+  return {{made ? std::move(*made) : surfelsAt(std::move(points))}, std::move(remarks)};
 }
 
 }  // namespace foci

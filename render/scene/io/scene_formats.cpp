@@ -1,4 +1,5 @@
-#include "render/scene/io/scene_formats.h"
+// The table of scene formats: extensions, first bytes and readers, and the right word for what is
+// no scene.
 
 #include <algorithm>
 #include <array>
@@ -12,8 +13,10 @@
 #include "base/text.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/mesh_formats.h"
+#include "render/scene/io/open_scene.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/io/point_formats.h"
+#include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
@@ -291,15 +294,12 @@ bool isGrid(const FileStart& start) {
   return word == "ncols" || word == "nrows";
 }
 
-std::optional<std::string> wordsOfContent(const FileStart& start) {
+std::optional<std::string> wordsOfContent(const FileStart& start, const SceneFormat* format) {
   const std::string text = lowered(start.text());
   if (text.starts_with("version https://git-lfs")) {
     return "is a pointer of Git LFS, not the file itself: git lfs pull fetches it";
   }
-  if (const SceneFormat* format = formatOf(start);
-      format != nullptr && format->marked && format->begins(start)) {
-    return std::nullopt;
-  }
+  if (format != nullptr && format->marked && format->begins(start)) return std::nullopt;
   if (text.starts_with("pk\3\4")) return zipWords(start);
   if (isUtf16(text)) return "is text in UTF-16: save it in UTF-8";
   if (text.starts_with('{') && holdsAll(start, {"\"geometricError\""})) {
@@ -363,9 +363,9 @@ const SceneFormat* formatOf(const FileStart& start) {
   return find([&](const SceneFormat& each) { return !each.marked && each.begins(start); });
 }
 
-std::optional<std::string> refusalOf(const FileStart& start) {
-  if (auto words = wordsOfContent(start)) return words;
-  if (const SceneFormat* format = formatOf(start); format != nullptr) {
+std::optional<std::string> refusalOf(const FileStart& start, const SceneFormat* format) {
+  if (auto words = wordsOfContent(start, format)) return words;
+  if (format != nullptr) {
     if (start.gzip && !format->gzip) return "is packed by gzip: unpack it with gunzip";
     return std::nullopt;
   }
@@ -385,6 +385,38 @@ fs::path sceneFileIn(const fs::path& path) {
     if (fs::is_regular_file(path / name, ignored)) return path / name;
   }
   return path;
+}
+
+bool isScene(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return true;  // refused, with the reason
+  const FileStart start(path);
+  const SceneFormat* const format = formatOf(start);
+  return format != nullptr || refusalOf(start, format).has_value();
+}
+
+SceneFile readScene(const fs::path& given, std::uint64_t checked_B) {
+  std::error_code ignored;
+  const fs::path path = sceneFileIn(given);
+  if (!fs::exists(path, ignored)) throw InputError(path.string(), "no such file");
+  if (fs::is_directory(path, ignored)) {
+    throw InputError(path.string(), "is a folder, not a file: give the scene in it");
+  }
+  requireRegularFile(path);
+  const FileStart start(path);
+  const SceneFormat* const format = formatOf(start);
+  if (const auto refusal = refusalOf(start, format)) throw InputError(path.string(), *refusal);
+  if (format == nullptr) {
+    throw InputError(path.string(),
+                     start.bytes.empty()
+                         ? "is empty"
+                         : "is no scene that foci reads (docs/scenes.md lists the formats and "
+                           "their extensions); points as text begin with numbers, or with a line "
+                           "of names that has x, y and z");
+  }
+  SceneFile file{path, format->read(path, checked_B), format->kind};
+  if (auto* const points = std::get_if<PointCloud>(&file.content)) remarkDegrees(*points);
+  return file;
 }
 
 }  // namespace foci

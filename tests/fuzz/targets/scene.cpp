@@ -6,7 +6,8 @@ FOCI_FUZZ(scene) {
   const auto file = foci::fuzz::asFile("input", bytes, size);
   foci::fuzz::readWithinLimits(size, [&] {
     foci::isScene(file);
-    foci::refusalOf(foci::FileStart(file));
+    const foci::FileStart start(file);
+    foci::refusalOf(start, foci::formatOf(start));
   });
   return 0;
 }

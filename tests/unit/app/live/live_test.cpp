@@ -19,6 +19,7 @@
 #include "app/live/renderer.h"
 #include "app/replay/replay.h"
 #include "app/study/inputs.h"
+#include "app/study/load_scene.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "base/text.h"

@@ -1,5 +1,4 @@
 // What is a scene, and the right word for what is none.
-#include "render/scene/io/scene_formats.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,12 @@
-#include "app/study/scene_cache.h"
+#include "app/study/load_scene.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <cstdlib>
+#include <functional>
+#include <optional>
+#include <utility>
 
 #include "base/file.h"
 #include "base/image_codec.h"
@@ -43,20 +46,28 @@ class SceneCacheTest : public testing::Test {
  protected:
   /// How many scenes were made for these calls.
   int madeFor(const SceneCache& cache, const TriangleMesh& mesh) {
-    int made = 0;
-    const SurfelCloud cloud = cache.surfelsOf({.mesh = &mesh}, [&] {
-      ++made;
-      return surfelsFromPoints(sampleMesh(mesh, "square", {.points = 500}));
-    });
-    EXPECT_TRUE(builtTree(cloud));
     const SurfelCloud expected =
         withTree(surfelsFromPoints(sampleMesh(mesh, "square", {.points = 500})));
+    const auto [cloud, made] = opened({.path = "square", .content = MeshFile{mesh, {}}}, {}, cache,
+                                      [&] { return expected; });
+    EXPECT_TRUE(builtTree(cloud));
     EXPECT_TRUE(cloud.position_m == expected.position_m);
     EXPECT_TRUE(cloud.axis_u_m == expected.axis_u_m);
     EXPECT_TRUE(cloud.color == expected.color);
     EXPECT_TRUE(cloud.area_m2 == expected.area_m2);
     EXPECT_EQ(cloud.oriented, expected.oriented);
     return made;
+  }
+
+  /// The surfels, as they were kept or as `make` gives them, and how many scenes were made.
+  std::pair<SurfelCloud, int> opened(const SceneFile& file, const std::optional<glm::vec3>& eye_m,
+                                     const SceneCache& cache,
+                                     const std::function<SurfelCloud()>& make) {
+    const auto entry = cache.entryOf(file, 1.0, eye_m);
+    if (auto found = entry ? cache.find(*entry) : std::nullopt) return {std::move(*found), 0};
+    SurfelCloud made = make();
+    if (entry) cache.keep(*entry, {made});
+    return {std::move(made), 1};
   }
 
   std::vector<fs::path> entries() const {
@@ -104,6 +115,12 @@ TEST_F(SceneCacheTest, AnythingThatChangesIsAnotherScene) {
     EXPECT_EQ(madeFor(cache_, changed), 0) << i;
   }
   EXPECT_EQ(cache_.content().entries, changes.size() + 1);
+}
+
+TEST_F(SceneCacheTest, AnotherScaleIsAnotherScene) {
+  const SceneFile file{.path = "square", .content = MeshFile{mesh_, {}}};
+  EXPECT_NE(cache_.entryOf(file, 1.0, {}), cache_.entryOf(file, 2.0, {}));
+  EXPECT_EQ(cache_.entryOf(file, 2.0, {}), cache_.entryOf(file, 2.0, {}));
 }
 
 TEST_F(SceneCacheTest, ADamagedEntryIsMadeAgain) {
@@ -160,12 +177,12 @@ TEST_F(SceneCacheTest, AScanDependsOnTheEyeWhereItsNormalsDo) {
   for (int i = 0; i < 100; ++i) points.position_m.emplace_back(i % 10, i / 10, 0.0f);
   points.color.resize(100, glm::vec3(0.5f));
   const auto made = [&](const std::optional<glm::vec3>& viewpoint_m) {
-    int count = 0;
-    cache_.surfelsOf({.points = &points, .viewpoint_m = viewpoint_m}, [&] {
-      ++count;
-      return surfelsFromPoints(PointCloud(points), {.viewpoint_m = viewpoint_m});
-    });
-    return count;
+    return opened({.path = "scan", .content = points}, viewpoint_m, cache_,
+                  [&] {
+                    return withTree(
+                        surfelsFromPoints(PointCloud(points), {.viewpoint_m = viewpoint_m}));
+                  })
+        .second;
   };
   EXPECT_EQ(made(std::nullopt), 1);
   EXPECT_EQ(made(glm::vec3(0, 0, 1)), 1);
