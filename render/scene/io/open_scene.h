@@ -1,11 +1,12 @@
 // Opens a scene file of any supported format as surfels or Gaussians. foci decides by the table of
-// formats (scene_formats.cpp) alone whether a file is a scene, and which reader takes it.
+// formats (open_scene.cpp) alone whether a file is a scene, and which reader takes it.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,15 @@ struct FileStart {
   std::string_view text() const {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
+  /// Blanks before the text do not count.
+  bool startsWith(std::initializer_list<std::string_view> any) const;
+  bool holdsAll(std::initializer_list<std::string_view> all) const;
+  /// Of the first line that is neither empty nor a comment.
+  std::string_view firstWord() const;
+  /// @param extensions  ".las .laz"
+  bool hasExtensionIn(std::string_view extensions) const;
+  /// Whether its extension is that of a format that foci does not read.
+  bool hasOtherFormat() const;
 };
 
 struct SceneFormat {
