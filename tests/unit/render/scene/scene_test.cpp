@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "render/lod/moment_tree.h"
 #include "render/methods/method.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/harmonics.h"
@@ -41,6 +43,21 @@ Frame render(const Scene& scene, float blur_px_per_D) {
 }
 
 const glm::vec3 kRed(0.6f, 0.05f, 0.05f), kGreen(0.05f, 0.5f, 0.05f);
+
+TEST(Scene, TellsWhatBothKindsHave) {
+  SurfelCloud surfels;
+  appendSurfel(surfels, glm::vec3(0.0f), {0.0f, 0.0f, 1.0f}, 0.1f, 0.01f, glm::vec3(0.5f));
+  surfels.objects = {.of = {1}, .names = {"", "wall"}};
+  const Scene of_surfels{surfels}, of_gaussians{gaussiansOf(surfels)};
+  EXPECT_EQ(of_surfels.size(), 1u);
+  EXPECT_EQ(of_gaussians.size(), 1u);
+  EXPECT_EQ(of_surfels.objects().names.at(1), "wall");
+  EXPECT_TRUE(of_gaussians.objects().empty());
+  EXPECT_EQ(of_surfels.preservesLight(), std::nullopt);
+  EXPECT_EQ(of_gaussians.preservesLight(), false);
+  EXPECT_TRUE(withSurfelTree(of_surfels));
+  EXPECT_FALSE(withSurfelTree(of_gaussians));
+}
 
 TEST(JoinedScene, APartIsTurnedAndMoved) {
   const glm::quat quarter = glm::angleAxis(glm::radians(90.0f), glm::vec3(0, 1, 0));
