@@ -49,14 +49,13 @@ class GltfMaterials {
   /// @param builder  reads the textures; has to stay, as the document
   GltfMaterials(const GltfDocument& gltf, MeshBuilder& builder) : gltf_(gltf), builder_(builder) {
     plain_ = static_cast<std::uint32_t>(arrayIn(gltf.json(), "materials").size());
-    const bool basis =
+    const bool unread =
         std::ranges::any_of(arrayIn(gltf.json(), "textures"), [](const Json& texture) {
-          return extensionOf(texture, "KHR_texture_basisu") != nullptr &&
-                 !texture.contains("source");
+          return !texture.contains("source") && extensionOf(texture, "EXT_texture_webp") == nullptr;
         });
-    if (!basis) return;
+    if (!unread) return;
     builder.remark(
-        "textures in KTX2 (KHR_texture_basisu) are left out: make them PNG or JPEG, e.g. with "
+        "textures in KTX2, AVIF or DDS alone are left out: make them PNG or JPEG, e.g. with "
         "gltf-transform");
   }
 
@@ -110,6 +109,7 @@ class GltfMaterials {
     material.tinted = !builder_.takeLight(color.glows, color.emitted, material);
     material.unlit |= extensionOf(*from, "KHR_materials_unlit") != nullptr;
     readAlpha(*from, color.glows ? 1.0f : color.alpha, material);
+    remarkGlass(*from, material);
     const ImageSource source = imageOf(*color.texture);
     if (!source.name.empty()) {
       material.texture = builder_.textures().read(source);
@@ -192,8 +192,19 @@ class GltfMaterials {
     }
   }
 
+  void remarkGlass(const Json& from, const MeshMaterial& material) {
+    const Json* const glass = extensionOf(from, "KHR_materials_transmission");
+    if (glass == nullptr || material.alpha == AlphaUse::blend) return;
+    if (!(fractionIn(*glass, "transmissionFactor", 0.0) > 0.0)) return;
+    if (std::exchange(has_glass_, true)) return;
+    builder_.remark(
+        "materials of glass (KHR_materials_transmission) are shown opaque: export them with "
+        "alphaMode BLEND to see through them");
+  }
+
   const GltfDocument& gltf_;
   MeshBuilder& builder_;
+  bool has_glass_ = false;
   std::uint32_t plain_ = 0;                        // the number after the last
   std::deque<std::vector<unsigned char>> images_;  // inside URIs; their places stay
 };
@@ -217,6 +228,7 @@ struct GltfPart {
   std::size_t channels = 0;
   std::vector<std::uint32_t> triangles{};
   std::uint32_t material = 0;
+  bool glows = false;  // see `GltfMaterials::Placement`
 };
 
 class GltfMeshReader {
@@ -308,6 +320,7 @@ class GltfMeshReader {
     part.triangles = primitive.triangles();
     const GltfMaterials::Placement placement = materials_.placementOf(part.material);
     // The colours of vertices tint the material's, and not the light that it emits.
+    part.glows = placement.glows;
     part.channels = placement.glows ? 0 : primitive.componentsOf("COLOR_0");
     if (part.channels > 0) part.colors = primitive.floats("COLOR_0", part.channels == 4 ? 4 : 3);
     const auto uv = primitive.floats("TEXCOORD_" + std::to_string(placement.set), 2);
@@ -339,9 +352,11 @@ class GltfMeshReader {
         corner.position = positions[v];
         if (!normals.empty()) corner.normal = normals[v];
         if (!part.uv.empty()) corner.uv = part.uv[v];
+        if (place.tint && !part.glows) corner.color = *place.tint;
         if (part.colors.empty()) continue;
         const float* const color = &part.colors[v * part.channels];
-        corner.color = glm::clamp(glm::vec3(color[0], color[1], color[2]), 0.0f, 1.0f);
+        corner.color = place.tint.value_or(glm::vec3(1.0f)) *
+                       glm::clamp(glm::vec3(color[0], color[1], color[2]), 0.0f, 1.0f);
         if (part.channels == 4) corner.alpha = color[3];
       }
       if (there) {

@@ -85,6 +85,11 @@ class GltfPointReader {
     const std::size_t count = numbers.vertices(),
                       channels = numbers.componentsOf("COLOR_0") == 3 ? 3 : 4;
     const std::vector<float> colors = numbers.floats("COLOR_0", channels);
+    const JsonValue* const material = gltf_.entry("materials", primitive, "material");
+    const JsonValue* const base = material ? partOf(*material, "pbrMetallicRoughness") : nullptr;
+    const auto factor =
+        listIn<4>(base ? *base : JsonValue(), "baseColorFactor", {1.0, 1.0, 1.0, 1.0});
+    const glm::vec3 tint(glm::clamp(glm::dvec3(factor[0], factor[1], factor[2]), 0.0, 1.0));
     const glm::dmat3 turn = glm::transpose(glm::inverse(glm::dmat3(scene_from_node)));
     for (std::size_t i = 0; i < count; ++i) {
       const glm::dvec4 p(glm::dvec3(vectorAt(positions, i)), 1.0);
@@ -93,12 +98,13 @@ class GltfPointReader {
           normals.empty() ? glm::vec3(0.0f) : unitNormal(turn * glm::dvec3(vectorAt(normals, i)));
       has_normals_ = has_normals_ || normal != glm::vec3(0.0f);
       points_.normal.push_back(normal);
-      glm::vec4 light(glm::vec3(kUncolouredLight), 1.0f);
+      glm::vec4 light(material || !colors.empty() ? glm::vec3(1.0f) : glm::vec3(kUncolouredLight),
+                      1.0f);
       for (std::size_t c = 0; c < channels && !colors.empty(); ++c) {
         const float value = colors[channels * i + c];  // false for NaN
         light[static_cast<int>(c)] = value >= 0.0f ? std::min(value, 1.0f) : 0.0f;
       }
-      points_.color.emplace_back(light);
+      points_.color.push_back(glm::vec3(light) * tint);
       points_.opacity.push_back(light.a);
     }
   }

@@ -1,4 +1,5 @@
-// glTF 2.0 (Khronos), sections 3.5 (nodes) and 3.7 (meshes); EXT_mesh_gpu_instancing.
+// glTF 2.0 (Khronos), sections 3.5 (nodes) and 3.7 (meshes); EXT_mesh_gpu_instancing,
+// KHR_node_visibility.
 #include "render/scene/io/gltf_scene.h"
 
 #include <algorithm>
@@ -75,6 +76,8 @@ class Walk {
              std::size_t depth) {
     const Json* const node = gltf_.entry("nodes", number);
     if (node == nullptr) return;
+    const Json* const seen = extensionOf(*node, "KHR_node_visibility");
+    if (seen != nullptr && seen->value("visible", Json()) == false) return;  // nor what is below
     if (open_[number] != 0) gltf_.refuse("node ", number, " is below itself");
     if (depth > kMaxNodeDepth) {
       gltf_.refuse("its nodes nest over ", kMaxNodeDepth, " deep");
@@ -123,6 +126,11 @@ class Walk {
       return values;
     };
     const auto t = read("TRANSLATION", 3), q = read("ROTATION", 4), s = read("SCALE", 3);
+    // The colours of instances, as three.js writes them.
+    const std::size_t colors = numberIn(gltf_, attributes, "_COLOR_0", kNoEntry);
+    const std::size_t channels = colors == kNoEntry ? 0 : gltf_.componentsOf(colors);
+    const auto rgb =
+        channels < 3 ? std::vector<float>() : gltf_.floats(colors, channels, /*as_unit=*/true);
     const glm::dmat4 scene_from_node = place.scene_from_mesh;
     for (std::size_t i = 0; i < instances; ++i) {
       const auto part = [i]<std::size_t N>(const std::vector<float>& all,
@@ -135,6 +143,9 @@ class Walk {
       place.scene_from_mesh = scene_from_node * placeOf(part(t, std::array{0.0, 0.0, 0.0}),
                                                         part(q, std::array{0.0, 0.0, 0.0, 1.0}),
                                                         part(s, std::array{1.0, 1.0, 1.0}));
+      if ((i + 1) * channels <= rgb.size() && channels > 0) {
+        place.tint = glm::clamp(glm::make_vec3(&rgb[i * channels]), 0.0f, 1.0f);
+      }
       places_.push_back(place);
     }
   }

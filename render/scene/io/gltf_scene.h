@@ -18,6 +18,7 @@ struct GltfPlace {
   std::size_t node = 0, mesh = 0;
   std::optional<std::size_t> skin{};
   glm::dmat4 scene_from_mesh{1.0};  ///< of a mesh with a skin: the joints place it instead
+  std::optional<glm::vec3> tint{};  ///< of an instance: times the colours of its vertices
   std::string name{};               ///< of the node, or the nearest name above it; may be empty
 };
 

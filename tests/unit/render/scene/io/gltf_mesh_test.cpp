@@ -141,6 +141,31 @@ TEST(GltfMesh, InstancesAreNodes) {
   EXPECT_NEAR(farthest, 5.0f + 2.0f, 4.0f * kShort);
 }
 
+TEST(GltfMesh, InstancesHaveColours) {
+  const TemporaryFolder folder;
+  folder.write("b.bin", triangleBytes());
+  ASSERT_TRUE(cv::imwrite((folder.path() / "t.webp").string(),
+                          cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(255))));
+  const std::string node =
+      R"(,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":2,"_COLOR_0":2}}})";
+  const MeshFile file = readMesh(folder.write("a.gltf", json(R"(,"uri":"b.bin")", 3, node)));
+  EXPECT_EQ(colorAt(file.mesh, {0, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(0));
+  EXPECT_GT(colorAt(file.mesh, {1, glm::vec2(0.25f)}, 0.0f).color.x, 0.9f);
+  EXPECT_EQ(colorAt(file.mesh, {1, glm::vec2(0.25f)}, 0.0f).color.y, 0.0f);
+}
+
+TEST(GltfMesh, HiddenNodesAreNotShown) {
+  const TemporaryFolder folder;
+  folder.write("b.bin", triangleBytes());
+  const auto file = [&](const std::string& seen) {
+    return folder.write("a.gltf",
+                        json(R"(,"uri":"b.bin")", 3,
+                             R"(,"extensions":{"KHR_node_visibility":{"visible":)" + seen + "}}"));
+  };
+  EXPECT_EQ(readMesh(file("true")).mesh.size(), 1u);
+  EXPECT_THROW(readMesh(file("false")), InputError);
+}
+
 TEST(GltfMesh, ATextureMayBeWebpAlone) {
   const TemporaryFolder folder;
   folder.write("b.bin", triangleBytes());

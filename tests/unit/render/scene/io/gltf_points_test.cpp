@@ -227,6 +227,23 @@ TEST_F(GltfPointsTest, PointsHaveLinearColours) {
   EXPECT_EQ(facts.kind, SceneKind::gltf);
 }
 
+TEST_F(GltfPointsTest, TheirMaterialTintsPoints) {
+  GltfText gltf;
+  gltf.primitives.push_back(
+      {{"attributes", {{"POSITION", gltf.addFloats({0, 0, 0, 1, 2, 3}, "VEC3")}}},
+       {"mode", 0},
+       {"material", 0}});
+  const auto colorOf = [&] {
+    Json whole = Json::parse(gltf.text());
+    whole["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {1.0, 0.5, 0.0, 1.0}}}}}};
+    const SceneFile scene = readScene(scratch.write("p.gltf", whole.dump()));
+    return std::get<PointCloud>(scene.content).color.at(0);
+  };
+  EXPECT_EQ(colorOf(), glm::vec3(1.0f, 0.5f, 0.0f));
+  gltf.primitives[0]["attributes"]["COLOR_0"] = gltf.addFloats({0.5f, 0.5f, 0.5f, 1, 1, 1}, "VEC3");
+  EXPECT_EQ(colorOf(), glm::vec3(0.5f, 0.25f, 0.0f));
+}
+
 TEST_F(GltfPointsTest, AMeshAndPointsBesideGaussiansAreInTheScene) {
   GltfText gltf;
   addGaussians(gltf, 0, kEllipse);
