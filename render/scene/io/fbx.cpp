@@ -117,6 +117,12 @@ class FbxMesh {
     }
   }
 
+  /// Physically based materials have another key than those of Phong.
+  static aiTextureType colorTextureOf(const aiMaterial& material) {
+    return material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ? aiTextureType_DIFFUSE
+                                                               : aiTextureType_BASE_COLOR;
+  }
+
   /// The set of texture coordinates, and what is done to these.
   struct Placement {
     unsigned set = 0;
@@ -127,12 +133,13 @@ class FbxMesh {
     Placement placement;
     if (number >= scene_.mNumMaterials) return placement;
     const aiMaterial& material = *scene_.mMaterials[number];
+    const aiTextureType type = colorTextureOf(material);
     int set = 0;
-    if (material.Get(AI_MATKEY_UVWSRC(aiTextureType_DIFFUSE, 0), set) == aiReturn_SUCCESS) {
+    if (material.Get(AI_MATKEY_UVWSRC(type, 0), set) == aiReturn_SUCCESS) {
       placement.set = static_cast<unsigned>(std::clamp(set, 0, AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
     }
     aiUVTransform t;
-    if (material.Get(AI_MATKEY_UVTRANSFORM(aiTextureType_DIFFUSE, 0), t) != aiReturn_SUCCESS) {
+    if (material.Get(AI_MATKEY_UVTRANSFORM(type, 0), t) != aiReturn_SUCCESS) {
       return placement;
     }
     // Turned about the middle, scaled, then moved.
@@ -155,8 +162,12 @@ class FbxMesh {
       from.Get(key, type, index, read_color);
       return glm::vec3(read_color.r, read_color.g, read_color.b);
     };
-    const glm::vec3 diffuse = color(AI_MATKEY_COLOR_DIFFUSE),
-                    emitted = linearColor(glm::max(color(AI_MATKEY_COLOR_EMISSIVE), 0.0f));
+    const glm::vec3 emitted = linearColor(glm::max(color(AI_MATKEY_COLOR_EMISSIVE), 0.0f));
+    glm::vec3 diffuse = color(AI_MATKEY_COLOR_DIFFUSE);
+    for (const char* key : {"$clr.base", "$raw.Maya|baseColor", "$raw.3dsMax|Parameters|base_color",
+                            "$raw.3dsMax|main|basecolor"}) {
+      if (diffuse.x < 0.0f) diffuse = color(key, 0, 0);
+    }
     const bool plain = from.GetName() == aiString(AI_DEFAULT_MATERIAL_NAME);
     if (diffuse.x >= 0.0f && !plain) material.factor = linearColor(diffuse);
     const bool glows = builder_.takeLight(diffuse == glm::vec3(0.0f), emitted, material);
@@ -170,7 +181,7 @@ class FbxMesh {
       read.facts->name = from.GetName().C_Str();
       read.facts->opacity = material.opacity;
     }
-    const aiTextureType type = glows ? aiTextureType_EMISSIVE : aiTextureType_DIFFUSE;
+    const aiTextureType type = glows ? aiTextureType_EMISSIVE : colorTextureOf(from);
     if (from.GetTexture(type, 0, &name) != aiReturn_SUCCESS) return read;
     ImageSource source{name.C_Str()};
     const aiTexture* const inside = scene_.GetEmbeddedTexture(name.C_Str());

@@ -105,6 +105,51 @@ TEST_F(Facts, OfFbxStateUnitsAndUpAxis) {
   }
 }
 
+constexpr const char* kMaterialLayerFbx = R"(LayerElementMaterial: 0 {
+MappingInformationType: "AllSame"
+ReferenceInformationType: "IndexToDirect"
+Materials: *1 {
+a: 0
+}
+}
+Layer: 0 {
+LayerElement:  {
+Type: "LayerElementMaterial"
+TypedIndex: 0
+}
+}
+)";
+constexpr const char* kMaterialFbx = R"(Material: 300, "Material::m", "" {
+ShadingModel: "unknown"
+Properties70:  {
+P: "COLOR", "Vector3D", "Vector", "",1,0,0
+}
+}
+Texture: 400, "Texture::t", "" {
+RelativeFilename: "t.png"
+}
+)";
+
+TEST_F(Facts, OfAnFbxHavePhysicallyBasedColours) {
+#ifndef FOCI_FBX
+  GTEST_SKIP() << "built without Assimp";
+#endif
+  cv::imwrite((scratch.path() / "t.png").string(), cv::Mat(4, 4, CV_8UC3, cv::Scalar(255, 0, 0)));
+  const auto colorOf = [&](const std::string& property, const std::string& map) {
+    std::string text = kQuadFbx, material = kMaterialFbx;
+    material.replace(material.find("COLOR"), 5, property);
+    text.insert(text.find("\t}\n\tModel: 200"), kMaterialLayerFbx);
+    text.insert(text.find("\tModel: 200"), material);
+    text.insert(text.find("\tC: \"OO\",200,0"),
+                "C: \"OO\",300,200\nC: \"OP\",400,300, \"" + map + "\"\n");
+    return colorAt(readMesh(scratch.write("p.fbx", text)).mesh, {0, glm::vec2(0.25f)}, 0.0f).color;
+  };
+  EXPECT_EQ(colorOf("Maya|baseColor", "Bump"), glm::vec3(1, 0, 0));
+  EXPECT_EQ(colorOf("Maya|baseColor", "Maya|baseColor"), glm::vec3(0, 0, 1));
+  EXPECT_EQ(colorOf("3dsMax|Parameters|base_color", "3dsMax|Parameters|base_color_map"),
+            glm::vec3(0, 0, 1));
+}
+
 TEST_F(Facts, OfPointsAndPreparedScenes) {
   const SceneFacts facts =
       factsIn(scratch.write("p.xyz", "0 0 0 255 0 0\n1 2 3 0 0 255\nnan 0 0 0 0 0\n"));
