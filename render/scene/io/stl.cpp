@@ -69,17 +69,26 @@ class StlMesh {
     const std::size_t color = text_.substr(0, kStlHeader).find(kColorKey);
     const bool magics = color <= kStlHeader - kColorKey.size() - 3;  // false for npos
     const std::size_t rgb = color + kColorKey.size();
+    const auto storedAt = [&](std::uint64_t t) {
+      return u16At(file_.bytes(), kStlStart + kStlRecord * t + kStlColor);
+    };
+    // MeshLab marks triangles that have a colour, Magics those that have none.
+    bool marks_own = !magics;
+    for (std::uint64_t t = 0; t < triangles && !marks_own; ++t) {
+      const unsigned code = storedAt(t);
+      marks_own = code > kStlMark && code < 0xffffu;
+    }
     for (std::uint64_t t = 0; t < triangles; ++t) {
       const auto record = file_.bytes().subspan(kStlStart + kStlRecord * t, kStlRecord);
-      const unsigned stored = u16At(record, kStlColor);
+      const unsigned stored = storedAt(t);
       const bool marked = (stored & kStlMark) != 0;
       std::array<float, 3> srgb{};
       for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t place = magics ? i : 2 - i;
         srgb[i] = static_cast<float>(stored >> (5 * place) & 31u) / 31.0f;
-        if (magics && marked) srgb[i] = static_cast<float>(file_.bytes()[rgb + i]) / 255.0f;
+        if (!marks_own && marked) srgb[i] = static_cast<float>(file_.bytes()[rgb + i]) / 255.0f;
       }
-      const bool colored = magics ? stored != 0 : marked;
+      const bool colored = marks_own ? marked : stored != 0;
       add({vec3At(record, 12), vec3At(record, 24), vec3At(record, 36)}, vec3At(record, 0),
           colored ? linearColor({srgb[0], srgb[1], srgb[2]}) : kPlainSurface);
     }
