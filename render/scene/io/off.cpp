@@ -20,27 +20,53 @@
 namespace foci {
 namespace {
 
-constexpr glm::vec4 kNoColor(-1.0f, -1.0f, -1.0f, 1.0f);
+constexpr glm::vec4 kNoColor(-1.0f);
 
 /// What the word before "OFF" says that a vertex has besides its position.
 struct OffKind {
   bool uv = false, color = false, normal = false;
 };
 
-/// A linear colour and its alpha of three or four numbers of 0 to 1 or 0 to 255.
-std::optional<glm::vec4> offColor(const std::vector<double>& row, std::size_t at,
-                                  std::size_t count) {
-  if (count < 3) return std::nullopt;
-  double most = 0.0;
-  for (std::size_t i = at; i < at + std::min<std::size_t>(count, 4); ++i) {
-    if (!(row[i] >= 0.0 && row[i] <= 255.0)) return std::nullopt;
-    most = std::max(most, row[i]);
+/// The colours of the vertices, or of the faces, with alpha.
+class OffColors {
+ public:
+  /// The colour of the next one: three or four numbers of 0 to 1 or 0 to 255 behind the first `at`
+  /// of a row, or none.
+  void add(const std::vector<std::string_view>& words, const std::vector<double>& row,
+           std::size_t at) {
+    const std::size_t count = std::min<std::size_t>(row.size() - at, 4);
+    glm::vec4 color = kNoColor;
+    bool usable = count >= 3, whole = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      usable = usable && row[at + i] >= 0.0 && row[at + i] <= 255.0;
+      whole = whole && words[at + i].find('.') == std::string_view::npos;
+      color[static_cast<int>(i)] = static_cast<float>(row[at + i]);
+    }
+    if (!usable) color = kNoColor;
+    bytes_ |= whole && mostOf(color) > 1.0f;
+    colors_.push_back(color);
+    whole_.push_back(whole);
   }
-  // (1, 1, 1) is white, since nobody writes it for the darkest grey of 255.
-  const double white = most > 1.0 ? 255.0 : 1.0;
-  const float alpha = count > 3 ? static_cast<float>(row[at + 3] / white) : 1.0f;
-  return glm::vec4(linearColor(glm::dvec3(row[at], row[at + 1], row[at + 2]) / white), alpha);
-}
+
+  /// To linear light. Integers of 0 and 1 are 0 to 255 beside larger ones, and else 0 to 1.
+  void linearise() {
+    for (std::size_t i = 0; i < colors_.size(); ++i) {
+      glm::vec4& c = colors_[i];
+      if (c.r < 0.0f) continue;
+      const float white = mostOf(c) > 1.0f || (whole_[i] && bytes_) ? 255.0f : 1.0f;
+      c = glm::vec4(linearColor(glm::vec3(c) / white), c.a < 0.0f ? 1.0f : c.a / white);
+    }
+  }
+
+  glm::vec4 at(std::size_t i) const { return colors_.at(i); }
+
+ private:
+  static float mostOf(const glm::vec4& c) { return std::max({c.r, c.g, c.b, c.a}); }
+
+  std::vector<glm::vec4> colors_;
+  std::vector<bool> whole_;  // written as integers
+  bool bytes_ = false;       // integers above 1 are among them
+};
 
 class OffReader {
  public:
@@ -50,6 +76,7 @@ class OffReader {
     if (input_.remaining() == 0) throw InputError(input_.name(), "is empty");
     readHeader();
     for (std::uint64_t i = 0; i < vertices_; ++i) readVertex();
+    color_.linearise();
     if (faces_ == 0) return finishPoints();
     for (std::uint64_t i = 0; i < faces_; ++i) readFace();
     return finishMesh();
@@ -142,13 +169,8 @@ class OffReader {
     if (kind_.normal) normal_.emplace_back(glm::dvec3(row_[3], row_[4], row_[5]));
     const std::size_t after = row_.size() - least;
     // Some writers add colours without the letter C.
-    const auto color = kind_.color || (!kind_.uv && (after == 3 || after == 4))
-                           ? offColor(row_, least, after)
-                           : std::nullopt;
-    if (color) {
-      color_.resize(position_.size() - 1, kNoColor);
-      color_.push_back(*color);
-    }
+    const bool colored = kind_.color || (!kind_.uv && (after == 3 || after == 4));
+    color_.add(words_, row_, colored ? least : row_.size());
   }
 
   void readFace() {
@@ -160,8 +182,6 @@ class OffReader {
       throw InputError(where(), "expected ", wanted);
     }
     const auto count = static_cast<std::size_t>(corners);
-    corner_.clear();
-    corner_m_.clear();
     for (std::size_t i = 1; i <= count; ++i) {
       if (!(row_[i] >= 0.0 && row_[i] < static_cast<double>(vertices_)) ||
           row_[i] != std::floor(row_[i])) {
@@ -169,21 +189,27 @@ class OffReader {
                          vertices_ - 1);
       }
       corner_.push_back(static_cast<std::uint32_t>(row_[i]));
-      corner_m_.push_back(position_[corner_.back()]);
     }
-    const auto color = offColor(row_, count + 1, row_.size() - 1 - count);
-    const auto material = color_of_faces_.materialOf(color ? glm::vec3(*color) : kPlainSurface);
-    std::vector<MeshCorner> polygon;
-    for (std::size_t k = 0; k < count; ++k) {
-      const glm::vec4 own = color && material ? kNoColor : color.value_or(vertexColor(corner_[k]));
-      polygon.push_back(
-          {.position = corner_m_[k], .color = glm::vec3(own), .alpha = color ? color->a : own.a});
-    }
-    builder_.addPolygon(polygon, material.value_or(0));
+    end_.push_back(corner_.size());
+    face_color_.add(words_, row_, count + 1);
   }
 
-  glm::vec4 vertexColor(std::uint32_t vertex) const {
-    return vertex < color_.size() ? color_[vertex] : kNoColor;
+  void addFaces() {
+    face_color_.linearise();
+    std::vector<MeshCorner> polygon;
+    for (std::size_t face = 0, i = 0; face < end_.size(); ++face) {
+      const glm::vec4 color = face_color_.at(face);
+      const bool colored = color.r >= 0.0f;
+      const auto material = color_of_faces_.materialOf(colored ? glm::vec3(color) : kPlainSurface);
+      polygon.clear();
+      for (; i < end_[face]; ++i) {
+        const glm::vec4 own = colored ? color : color_.at(corner_[i]);
+        polygon.push_back({.position = position_[corner_[i]],
+                           .color = colored && material ? glm::vec3(-1.0f) : glm::vec3(own),
+                           .alpha = own.r < 0.0f ? 1.0f : own.a});
+      }
+      builder_.addPolygon(polygon, material.value_or(0));
+    }
   }
 
   std::variant<PointCloud, MeshFile> finishPoints() {
@@ -193,9 +219,10 @@ class OffReader {
     for (glm::vec3& n : normal_) n = unitNormal(n);
     points.normal = std::move(normal_);
     for (std::uint32_t i = 0; i < position_.size(); ++i) {
-      const glm::vec4 color = vertexColor(i);
-      points.color.push_back(color.x >= 0.0f ? glm::vec3(color) : glm::vec3(kUncolouredLight));
-      points.opacity.push_back(color.a);
+      const glm::vec4 color = color_.at(i);
+      const bool colored = color.r >= 0.0f;
+      points.color.push_back(colored ? glm::vec3(color) : glm::vec3(kUncolouredLight));
+      points.opacity.push_back(colored ? color.a : 1.0f);
     }
     dropPlainOpacity(points);
     remarkOrigin(origin_, points.remarks);
@@ -204,6 +231,7 @@ class OffReader {
 
   std::variant<PointCloud, MeshFile> finishMesh() {
     remarkOrigin(origin_, builder_.remarks());
+    addFaces();
     const bool blend = builder_.useAlpha();
     return builder_.finish({.kind = SceneKind::off_mesh}, [&](std::uint32_t number) {
       ReadMaterial read = color_of_faces_.read(number);
@@ -218,10 +246,11 @@ class OffReader {
   std::vector<std::string_view> words_;
   std::vector<double> row_;
   glm::dvec3 origin_{0.0};
-  std::vector<glm::dvec3> position_, corner_m_;  // less the origin
+  std::vector<glm::dvec3> position_;  // less the origin
   std::vector<glm::vec3> normal_;
-  std::vector<glm::vec4> color_;  // with alpha; negative or absent for none
+  OffColors color_, face_color_;
   std::vector<std::uint32_t> corner_;
+  std::vector<std::size_t> end_;  // of the corners, by face
   MeshBuilder builder_;
   FaceColors color_of_faces_;
 };

@@ -78,6 +78,17 @@ TEST_F(Off, ColoursAreThoseOfFacesOrVertices) {
   EXPECT_LT(glm::distance(middle, glm::vec3(1.0f / 3.0f)), kRounding);
 }
 
+TEST_F(Off, ADarkColourBesideBrightOnesIsDark) {
+  const PointCloud bytes = points("COFF\n2 0 0\n0 0 0 255 0 0 255\n1 0 0 0 1 0 255\n");
+  EXPECT_LT(bytes.color.at(1).y, 0.001f);
+  const PointCloud opaque = points("COFF\n2 0 0\n0 0 0 200 0 0\n1 0 0 0 1 1\n");
+  EXPECT_LT(opaque.color.at(1).y, 0.001f);
+  const PointCloud units = points("COFF\n2 0 0\n0 0 0 0.5 0 0 1\n1 0 0 0 1 0 1\n");
+  EXPECT_EQ(units.color.at(1), glm::vec3(0, 1, 0));
+  const MeshFile faces = mesh("OFF\n4 2 0\n" + kSquare + "3 0 1 2 1 0 0\n3 0 2 3 0 200 0\n");
+  EXPECT_LT(colorAt(faces.mesh, {0, {0.2f, 0.2f}}, 0.1f).color.x, 0.001f);
+}
+
 TEST_F(Off, AConcavePolygonKeepsItsArea) {
   // An arrow head, whose fan from its first corner would cover the notch.
   for (const int first : {0, 1, 2, 3}) {
