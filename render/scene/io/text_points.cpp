@@ -38,6 +38,7 @@ struct TextColumns {
   int intensity = kNone;
   std::size_t count = 0;           ///< of numbers in a line
   bool more = false;               ///< any number of values may follow them
+  bool either = false;             ///< one of the two triples is there: its values tell
   std::optional<double> unit_m{};  ///< of x, y and z
   Three doubt = kNoThree;          ///< standard deviations of distance and of its inverse
   std::string format{};            ///< a name of its own
@@ -45,16 +46,21 @@ struct TextColumns {
 
 using TextWords = std::vector<std::string_view>;
 
-void splitInto(TextWords& words, std::string_view line, std::string_view between = " \t,;") {
+/// Nothing between two commas or semicolons, or before the first, is an empty word.
+void splitInto(TextWords& words, std::string_view line, std::string_view blanks = " \t",
+               std::string_view marks = ",;") {
+  const std::string between = std::string(blanks) + std::string(marks);
   words.clear();
-  for (std::size_t at = 0; words.size() <= kMaxColumns;) {
-    at = line.find_first_not_of(between, at);
-    if (at == std::string_view::npos) return;
+  for (std::size_t at = 0; words.size() <= kMaxColumns; ++at) {  // over the mark behind a word
+    at = line.find_first_not_of(blanks, at);
+    if (at >= line.size()) return;
     const bool quoted = line[at] == '"';
     const std::size_t end =
         std::min(quoted ? line.find('"', at + 1) : line.find_first_of(between, at), line.size());
     words.push_back(line.substr(at + quoted, end - at - quoted));
     at = std::min(end + quoted, line.size());
+    at = std::min(line.find_first_not_of(blanks, at), line.size());
+    if (at < line.size() && marks.find(line[at]) == std::string_view::npos) --at;
   }
 }
 
@@ -98,7 +104,7 @@ std::optional<double> metresOf(std::string_view unit) {
 std::vector<ColumnName> namesIn(std::string_view line) {
   const bool by_blanks = line.find_first_of(",;\t") == std::string_view::npos;
   TextWords words;
-  splitInto(words, line, by_blanks ? " " : ",;\t");
+  splitInto(words, line, by_blanks ? " " : "\t", by_blanks ? "" : ",;");
   std::vector<ColumnName> names;
   for (const std::string_view word : words) {
     std::size_t open = std::min(word.find_first_of("[("), word.size());
@@ -152,14 +158,15 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   }
   const Three color = {columnOf({"r", "red", "rf"}), columnOf({"g", "green", "gf"}),
                        columnOf({"b", "blue", "bf"})};
-  const Three normal = {columnOf({"nx"}), columnOf({"ny"}), columnOf({"nz"})};
+  const Three normal = {columnOf({"nx", "normal_x"}), columnOf({"ny", "normal_y"}),
+                        columnOf({"nz", "normal_z"})};
   std::size_t triples = 0;
   for (const auto& [kind, three] : {std::pair('c', color), {'n', normal}}) {
     if (std::ranges::count(three, kNone) > 0) continue;
     columns.kinds[triples] = kind;
     columns.triples[triples++] = three;
   }
-  columns.intensity = columnOf({"intensity", "i", "reflectance"});
+  columns.intensity = columnOf({"intensity", "i", "reflectance", "reflectivity"});
   if (columnOf({"px_world"}) != kNone) {
     columns.format = "Project Aria scan";
     columns.doubt = {columnOf({"dist_std"}), columnOf({"inv_dist_std"}), kNone};
@@ -179,7 +186,8 @@ TextColumns columnsOf(std::size_t count, bool counted) {
   TextColumns columns{.count = count};
   if (count == 4 || (count == 7 && counted)) columns.intensity = 3;
   if (count >= 6) columns.triples[0] = {3, 4, 5};
-  if (count == 7 && counted) columns.triples[0] = {4, 5, 6};
+  if (count == 7) columns.triples[counted ? 0 : 1] = {4, 5, 6};
+  columns.either = count == 7 && !counted;
   if (count >= 9) columns.triples[1] = {6, 7, 8};
   return columns;
 }
@@ -187,7 +195,7 @@ TextColumns columnsOf(std::size_t count, bool counted) {
 /// Values of three columns, which are colours or normals: the whole file decides.
 struct Triples {
   std::vector<glm::vec3> values;
-  bool unit = true, any = false, negative = false;
+  bool unit = true, any = false, negative = false, whole = true;
   float max = 0.0f;
 
   void append(const glm::vec3& v) {
@@ -195,15 +203,18 @@ struct Triples {
     unit = unit && (length == 0.0f || std::abs(length - 1.0f) <= kUnitSlack);
     any = any || length > 0.0f;
     negative = negative || v.x < 0.0f || v.y < 0.0f || v.z < 0.0f;
+    whole = whole && v == glm::round(v);
     max = std::max({max, v.x, v.y, v.z});
     values.push_back(v);
   }
   bool isNormal() const { return unit && any; }
+  bool isColor() const { return !negative && (max <= 1.0f || (whole && max <= 255.0f)); }
 };
 
 class TextPointsReader {
  public:
-  explicit TextPointsReader(const std::filesystem::path& path) : input_(path) {
+  explicit TextPointsReader(const std::filesystem::path& path)
+      : input_(path), is_pts_(lowerExtension(path) == ".pts") {
     // COLMAP's names stand in comments, which other programs leave out.
     if (path.stem() == "points3D") name(columnsNamed(kColmapNames));
   }
@@ -217,6 +228,10 @@ class TextPointsReader {
     }
     if (counted_ && rows_ < *counted_) {
       throw InputError(where(), "ends after ", rows_, " of ", *counted_, " points");
+    }
+    if (counted_ && rows_ > *counted_) {
+      points_.remarks.push_back("states " + std::to_string(*counted_) + " points, and has " +
+                                std::to_string(rows_) + ": are the last lines something else?");
     }
     if (points_.size() == 0 && uncertain_ > 0) {
       throw InputError(input_.name(), "none of its points is certain enough");
@@ -281,7 +296,7 @@ class TextPointsReader {
                          "has 5 columns without names: put a line of names before the points, e.g. "
                          "x y z intensity class");
       }
-      columns_ = columnsOf(row_.size(), counted_.has_value());
+      columns_ = columnsOf(row_.size(), is_pts_ || counted_.has_value());
       if (const std::size_t used = row_.size() < 9 ? 6 : 9; row_.size() > 7 && row_.size() > used) {
         points_.remarks.push_back("the columns after the first " + std::to_string(used) +
                                   " have no names: left out");
@@ -355,8 +370,23 @@ class TextPointsReader {
                               " per m of inverse distance: left out");
   }
 
+  /// Of seven columns, the fourth may be an intensity, or the seventh another value.
+  void chooseTriple() {
+    Triples &first = triples_[0], &second = triples_[1];
+    const bool is_first = first.isNormal() || (first.isColor() && !second.isNormal());
+    if (is_first && !first.isNormal() && second.isColor()) {
+      points_.remarks.emplace_back(
+          "its 7 columns have no names: taken for x y z, a colour and a value that is left out; "
+          "if they are x y z, intensity and a colour, put a line of names before them");
+    } else if (!is_first && (second.isNormal() || second.isColor())) {
+      first = std::move(second);
+    }
+    second.values.clear();
+  }
+
   /// Colours and normals from the triples, once all are known.
   void finishColumns() {
+    if (columns_->either) chooseTriple();
     for (std::size_t t = 0; t < triples_.size(); ++t) {
       Triples& triple = triples_[t];
       const char kind = columns_->kinds[t];
@@ -394,6 +424,7 @@ class TextPointsReader {
   ply::Input input_;
   PointCloud points_;
   ScanPositions positions_{points_};
+  bool is_pts_;
   std::uint64_t line_ = 0, rows_ = 0;
   std::optional<std::uint64_t> counted_;
   std::uint64_t uncertain_ = 0;

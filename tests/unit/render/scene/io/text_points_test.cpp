@@ -151,8 +151,37 @@ TEST_F(TextPoints, ColumnsWithoutNamesAreNotGuessed) {
   const PointCloud eight = read("0 0 0 255 0 0 7 8\n");
   ASSERT_EQ(eight.remarks.size(), 1u);
   EXPECT_TRUE(has(eight.remarks[0], "after the first 6"));
-  EXPECT_TRUE(read("0 0 0 255 0 0 7\n").remarks.empty());
   EXPECT_TRUE(read("0 0 0 255 0 0 0 0 1\n").remarks.empty());
+}
+
+TEST_F(TextPoints, OfSevenColumnsTheValuesTellWhichAreTheColour) {
+  const auto color = [&](const std::string& row, const std::string& name = "p.txt") {
+    const PointCloud points = read(row + "\n" + row + "\n", name);
+    EXPECT_TRUE(points.remarks.empty()) << row;
+    return points.color.at(0);
+  };
+  for (const char* row : {"1 2 3 0.5 255 9 2", "1 2 3 -1200 255 9 2", "1 2 3 4000 255 9 2",
+                          "1 2 3 255 9 2 4000", "1 2 3 255 9 2 0.5", "1 2 3 1 0.5 0 7"}) {
+    EXPECT_EQ(color(row).r, 1.0f) << row;
+  }
+  EXPECT_EQ(color("1 2 3 9 255 0 0", "p.pts"), glm::vec3(1, 0, 0));
+  EXPECT_EQ(read("1 2 3 0 0 1 0.3\n").normal.at(0), glm::vec3(0, 0, 1));
+  EXPECT_EQ(read("1 2 3 0.3 0 0 1\n").normal.at(0), glm::vec3(0, 0, 1));
+  const PointCloud either = read("0 0 0 255 0 0 7\n");
+  EXPECT_EQ(either.color.at(0), glm::vec3(1, 0, 0));
+  EXPECT_TRUE(has(either.remarks.at(0), "7 columns have no names"));
+}
+
+TEST_F(TextPoints, AnEmptyFieldIsAColumn) {
+  EXPECT_EQ(read(",x,y,z\n0,1,2,3\n", "p.csv").position_m.at(0), glm::vec3(1, 2, 3));
+  EXPECT_EQ(read("x;note;y;z\n1;;2;3\n", "p.csv").position_m.at(0), glm::vec3(1, 2, 3));
+  EXPECT_EQ(read("x , y ,z,\n1 , 2 ,3,\n", "p.csv").position_m.at(0), glm::vec3(1, 2, 3));
+  EXPECT_TRUE(has(refusal("x,y,z\n1,,3\n", "p.csv"), "p.csv:2: expected a number"));
+}
+
+TEST_F(TextPoints, MoreLinesThanStatedAreNamed) {
+  const PointCloud points = read("1\n0 0 0\n0 0 1\n", "p.pwn");
+  EXPECT_TRUE(has(points.remarks.at(0), "states 1 points, and has 2"));
 }
 
 TEST_F(TextPoints, ATxtFileIsASceneIfItBeginsWithPoints) {
