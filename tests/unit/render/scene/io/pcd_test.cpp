@@ -120,6 +120,13 @@ TEST_F(Pcd, LzfCopiesWhatCameBefore) {
   EXPECT_EQ(points.position_m[7], glm::vec3(1.5f));
 }
 
+TEST_F(Pcd, NamesOfFieldsMayHaveCapitals) {
+  EXPECT_EQ(read("VERSION 0.7\nFIELDS X Y Z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\n"
+                 "HEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n")
+                .position_m.at(0),
+            glm::vec3(1, 2, 3));
+}
+
 TEST_F(Pcd, OpensByItsContent) {
   const auto path = scratch.write("scan.bin", headerOf("binary", "F") + records());
   EXPECT_TRUE(isScene(path));
