@@ -167,6 +167,16 @@ class Plausibility {
   bool opacity_is_share_ = true, scale_is_length_ = true;
 };
 
+/// Spacetime Gaussians (Li et al. 2024), and those of four dimensions.
+void remarkTime(const Items& items, std::vector<std::string>& remarks) {
+  for (const char* name : {"trbf_center", "motion_0", "scale_t", "t_scale"}) {
+    if (!items.find(name)) continue;
+    remarks.push_back(std::string("its Gaussians change in time (property ") + name +
+                      "): all are shown at once, where the file states them");
+    return;
+  }
+}
+
 }  // namespace
 
 bool isGaussianPly(const ply::Header& header) {
@@ -192,9 +202,15 @@ GaussianFile readGaussianPly(const std::filesystem::path& path) {
   ply::Input input(path);
   ply::Header header = ply::readHeader(input);
   Items items = ply::verticesIn(input, header);
+  if (items.find("f_anchor_feat_0")) {
+    throw InputError(input.name(),
+                     "has anchors of Scaffold-GS, of which a network makes the Gaussians: export "
+                     "these as PLY");
+  }
   const Columns columns(items, input.name());
   GaussianFile file{.format = columns.isFlat() ? "PLY of 2D Gaussians" : "PLY"};
   file.cloud.preserves_light = columns.isFiltered() || preservesLight(header);
+  remarkTime(items, file.remarks);
   if (columns.storedDegree() > columns.degree()) file.remarks.emplace_back(kDegree4);
   GaussianCollector collector(file, items.element().count, columns.degree());
   std::vector<float> harmonics(file.cloud.harmonicsPerGaussian());

@@ -232,6 +232,20 @@ TEST(GaussianFormats, TheFilterOfMipSplattingWidensAndKeepsLight) {
   EXPECT_TRUE(file.cloud.preserves_light);
 }
 
+TEST(GaussianFormats, ThoseOfTimeAndOfNetworksAreNamed) {
+  std::vector<std::string> properties = kPlain;
+  properties.emplace_back("float trbf_center");
+  const GaussianFile file = readRows(properties, "1 2 3 0 0 0 -1 -1 -1 5 1 0 0 0 0.5\n");
+  EXPECT_NE(file.remarks.at(0).find("change in time (property trbf_center)"), std::string::npos);
+  properties.back() = "float f_anchor_feat_0";
+  try {
+    readRows(properties, "1 2 3 0 0 0 -1 -1 -1 5 1 0 0 0 0.5\n");
+    FAIL() << "read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("Scaffold-GS"), std::string::npos) << error.what();
+  }
+}
+
 TEST(GaussianFormats, MistakesOfExportersAreNamed) {
   const auto remarks = [](const char* scales, const char* opacity) {
     std::string rows;
