@@ -257,10 +257,11 @@ UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
   if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts) + " states"};
   if (facts.kind == SceneKind::gltf) return {1, false, "the convention of glTF"};
   if (facts.kind == SceneKind::obj) return {1, false, guess("the convention of OBJ", 1)};
+  if (facts.y_is_down || facts.format == "COLMAP points") {
+    return {1, true, "y points down in captured scenes; if not: --up y"};
+  }
   if (facts.kind == SceneKind::gaussians) {
-    return {1, facts.y_is_down,
-            facts.y_is_down ? "y points down in captured scenes; if not: --up y"
-                            : "the convention of the format; if not: --up -y"};
+    return {1, false, "the convention of the format; if not: --up -y"};
   }
   if (facts.kind == SceneKind::fbx) return {1, false, "the convention of FBX"};
   const glm::dvec3 size = box.size();

@@ -225,6 +225,9 @@ TEST(UpAxis, FollowsConventionUnlessAScanIsFlat) {
   EXPECT_EQ(upOf(cloudOf(cube(1.0f))), "z");
   EXPECT_EQ(upOf(cloudOf(flat_y)), "y");
   EXPECT_EQ(upOf(cloudOf(flat_x)), "z");  // a wall stands
+  SceneFacts colmap = cloudOf(flat_y);
+  colmap.format = "COLMAP points";
+  EXPECT_EQ(upOf(colmap), "-y");
   EXPECT_EQ(nameOf(*upAxisNamed("-y")), "-y");
   EXPECT_FALSE(upAxisNamed("w"));
 }
