@@ -26,25 +26,22 @@ constexpr std::size_t kMaxLabels = 1000;
 
 float toFloat(double x) { return static_cast<float>(x); }
 
-/// The object of a label. Its name is the label.
-std::uint16_t objectOf(SceneObjects& objects, double label, const ply::Items& items) {
-  if (!(std::abs(label) <= 1e9) || label != std::floor(label)) {
-    throw InputError(items.where(), "label ", decimal(label, 3), ": expected an integer");
-  }
-  const std::string name = decimal(label, 0);
+/// The object of a label, whose name is the label; 0 for none. Absent if it is no integer, or if
+/// there are too many.
+std::optional<std::uint16_t> objectOf(SceneObjects& objects, double label) {
   if (objects.names.empty()) objects.names.emplace_back();
+  if (std::isnan(label)) return 0;
+  if (!(std::abs(label) <= 1e9) || label != std::floor(label)) return std::nullopt;
+  const std::string name = decimal(label, 0);
   // Points of one object often follow each other.
   if (!objects.of.empty() && objects.names[objects.of.back()] == name) return objects.of.back();
   const auto found = std::find(objects.names.begin() + 1, objects.names.end(), name);
-  if (found == objects.names.end()) {
-    if (objects.names.size() > kMaxLabels) {
-      throw InputError(items.where(), "has more than ", kMaxLabels,
-                       " labels: is the property one of instances?");
-    }
-    objects.names.push_back(name);
-    return static_cast<std::uint16_t>(objects.names.size() - 1);
+  if (found != objects.names.end()) {
+    return static_cast<std::uint16_t>(found - objects.names.begin());
   }
-  return static_cast<std::uint16_t>(found - objects.names.begin());
+  if (objects.names.size() > kMaxLabels) return std::nullopt;
+  objects.names.push_back(name);
+  return static_cast<std::uint16_t>(objects.names.size() - 1);
 }
 
 /// The properties of the vertices that a point cloud has arrays for. Other properties are skipped.
@@ -67,7 +64,8 @@ struct Layout {
       for (const std::string_view name : names) found = found ? found : items.find(name);
       return found;
     };
-    intensity = first({"intensity", "scalar_intensity"});
+    intensity = first(
+        {"intensity", "scalar_intensity", "reflectivity", "reflectance", "scalar_reflectance"});
     radius = first({"radius"});
     opacity = ply::opacityOf(items);
     label = first({"label", "class", "object_id", "scalar_label"});
@@ -83,7 +81,7 @@ constexpr std::size_t kWriteBlock = 1 << 20;  // bytes written together
 }  // namespace
 
 PointCloud readVertices(ply::Items& items, const std::string& file) {
-  const Layout layout(items, file);
+  Layout layout(items, file);
   const std::uint64_t count = items.element().count;
   PointCloud points;
   points.position_m.reserve(count);
@@ -109,10 +107,17 @@ PointCloud readVertices(ply::Items& items, const std::string& file) {
       const double radius = items.value(*layout.radius);
       points.radius_m.push_back(radius > 0.0 && radius <= kFarthest_m ? toFloat(radius) : 0.0f);
     }
-    if (layout.opacity) points.opacity.push_back(ply::unitOpacity(items, *layout.opacity));
-    if (layout.label) {
-      points.objects.of.push_back(objectOf(points.objects, items.value(*layout.label), items));
+    if (layout.opacity) points.opacity.push_back(toFloat(items.value(*layout.opacity)));
+    if (!layout.label) continue;
+    const auto object = objectOf(points.objects, items.value(*layout.label));
+    if (object) {
+      points.objects.of.push_back(*object);
+      continue;
     }
+    points.remarks.push_back("its property " + items.property(*layout.label).name +
+                             " has fractions or over 1000 labels: its points are no objects");
+    points.objects = {};
+    layout.label.reset();
   }
   positions.finish(file);
   if (!fine && points.size() > 1 && losesDetail(points.position_m)) {
@@ -130,6 +135,9 @@ PointCloud readVertices(ply::Items& items, const std::string& file) {
     points.color = layout.intensity
                        ? greyOf(intensity)
                        : std::vector<glm::vec3>(points.size(), glm::vec3(kUncolouredLight));
+  }
+  if (layout.opacity) {
+    ply::normaliseOpacity(points.opacity, items.property(*layout.opacity).type, file);
   }
   remarkDark(points);
   dropPlainOpacity(points);

@@ -58,6 +58,7 @@ void checkCounts(const Header& header, const Input& input) {
   // The last line of an ASCII file may lack its end.
   std::uint64_t left = input.remaining() + (header.format == Format::ascii ? 1 : 0);
   for (const Element& element : header.elements) {
+    if (element.count == 0) continue;  // PCL then writes no properties, either
     if (element.properties.empty()) {
       throw InputError(input.name(), "element ", shown(element.name), " has no properties");
     }

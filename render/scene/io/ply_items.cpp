@@ -24,6 +24,29 @@ double fullRange(Scalar type) {
   return std::ldexp(1.0, 8 * static_cast<int>(sizeOf(type)) - (is_signed ? 1 : 0)) - 1.0;
 }
 
+constexpr const char* kUnitOrBytes =
+    ": expected 0 to 1 or 0 to 255, or an integer type of full range";
+
+/// The value of a full colour or opacity: of its type, or 255 if none is larger.
+/// @param refusal  of a value, by its place
+template <typename Refusal>
+double whiteOf(std::span<const float> stored, Scalar type, const Refusal& refusal) {
+  constexpr double kFloatBytes = 16.0;  // brighter floats are no light of 0 to 1 that is too bright
+  const bool floats = isFloat(type);
+  const double full = fullRange(type), slack = floats ? kRangeSlack : 0.0;
+  // The float of the greatest 32-bit integer is one more.
+  const double most = floats ? kByte : full + (full > 1e9 ? 1.0 : 0.0);
+  std::size_t greatest = 0;
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    if (!(stored[i] >= -slack && stored[i] <= most)) throw refusal(i);
+    if (stored[i] > stored[greatest]) greatest = i;
+  }
+  const double value = stored.empty() ? 0.0 : double{stored[greatest]};
+  if (floats && value > 1.0 + slack && value <= kFloatBytes) throw refusal(greatest);
+  const bool bytes = floats ? value > 1.0 + slack : full > kByte && value > 0.0 && value <= kByte;
+  return bytes ? kByte : full;
+}
+
 float linearOfSrgb(double s) {
   return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
 }
@@ -217,32 +240,16 @@ Items verticesIn(Input& input, Header& header) {
 
 void linearise(std::span<glm::vec3> stored, Scalar type, const std::string& file,
                const std::string& what, std::vector<std::string>& remarks) {
-  const bool floats = isFloat(type);
-  const double full = fullRange(type), slack = floats ? kRangeSlack : 0.0;
-  // The float of the greatest 32-bit integer is one more.
-  const double most = floats ? kByte : full + (full > 1e9 ? 1.0 : 0.0);
-  double greatest = 0.0;
-  for (std::size_t i = 0; i < stored.size(); ++i) {
-    const glm::vec3& c = stored[i];
-    for (int channel = 0; channel < 3; ++channel) {
-      if (!(c[channel] >= -slack && c[channel] <= most)) {
-        throw InputError(file, what, " ", i + 1, " has the colour ", exactText(double{c[channel]}),
-                         ": expected 0 to 1 or 0 to 255, or an integer type of full range");
-      }
-      greatest = std::max(greatest, double{c[channel]});
-    }
-  }
-  constexpr double kFloatBytes = 16.0;  // brighter floats are no light of 0 to 1 that is too bright
-  double white = full;
-  if (floats ? greatest > 1.0 + slack : full > kByte && greatest > 0.0 && greatest <= kByte) {
-    if (floats && greatest <= kFloatBytes) {
-      throw InputError(file, what, " colours reach ", exactText(greatest),
-                       ": expected 0 to 1 or 0 to 255");
-    }
-    white = kByte;
-    remarks.emplace_back(floats ? "its colours are floats of 0 to 255"
-                                : "its colours are 0 to 255 in a type of larger range, in which "
-                                  "they would be nearly black: shown as 0 to 255");
+  static_assert(sizeof(glm::vec3) == 3 * sizeof(float));
+  const std::span values(reinterpret_cast<const float*>(stored.data()), 3 * stored.size());
+  const double white = whiteOf(values, type, [&](std::size_t i) {
+    return InputError(file, what, " ", i / 3 + 1, " has the colour ", exactText(double{values[i]}),
+                      kUnitOrBytes);
+  });
+  if (white != fullRange(type)) {
+    remarks.emplace_back(isFloat(type) ? "its colours are floats of 0 to 255"
+                                       : "its colours are 0 to 255 in a type of larger range, in "
+                                         "which they would be nearly black: shown as 0 to 255");
   }
   std::array<float, 256> bytes{};
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -274,13 +281,14 @@ std::optional<std::size_t> opacityOf(const Items& items) {
   return items.findAll({"r", "g", "b"}).empty() ? std::nullopt : items.find("a");
 }
 
-float unitOpacity(const Items& items, std::size_t property) {
-  const double value = items.value(property) / fullRange(items.property(property).type);
-  if (!(value >= -kRangeSlack && value <= 1.0 + kRangeSlack)) {
-    throw InputError(items.where(), "opacity ", exactText(value),
-                     ": expected 0 to 1, or an integer type of full range");
+void normaliseOpacity(std::span<float> stored, Scalar type, const std::string& file) {
+  const double white = whiteOf(stored, type, [&](std::size_t i) {
+    return InputError(file, "vertex ", i + 1, " has the opacity ", exactText(double{stored[i]}),
+                      kUnitOrBytes);
+  });
+  for (float& value : stored) {
+    value = static_cast<float>(std::clamp(double{value} / white, 0.0, 1.0));
   }
-  return static_cast<float>(std::clamp(value, 0.0, 1.0));
 }
 
 }  // namespace foci::ply

@@ -98,8 +98,8 @@ std::vector<std::size_t> colorOf(const Items& items);
 /// The property of an opacity: opacity, alpha, or a beside r g b.
 std::optional<std::size_t> opacityOf(const Items& items);
 
-/// The opacity of the item read last: integers of full range, floats of 0 to 1.
+/// Brings opacities of vertices to 0 to 1, in place: stored as colours are.
 /// @throws InputError
-float unitOpacity(const Items& items, std::size_t property);
+void normaliseOpacity(std::span<float> stored, Scalar type, const std::string& file);
 
 }  // namespace foci::ply

@@ -70,15 +70,18 @@ class PlyMesh {
                                {"tx", "ty"}}) {
       if (uv.empty()) uv = items.findAll({u, v});
     }
+    std::vector<float> alphas;
     while (items.next()) {
       places_.push_back(items.vector(position));
       MeshCorner corner;
       if (!normal.empty()) corner.normal = items.vector(normal);
       if (!uv.empty()) corner.uv = {items.floatValue(uv[0]), items.floatValue(uv[1])};
-      if (alpha) corner.alpha = ply::unitOpacity(items, *alpha);
+      if (alpha) alphas.push_back(items.floatValue(*alpha));
       if (!color.empty()) colors_.emplace_back(items.vector(color));
       corners_.push_back(corner);
     }
+    if (alpha) ply::normaliseOpacity(alphas, items.property(*alpha).type, input_.name());
+    for (std::size_t i = 0; i < alphas.size(); ++i) corners_[i].alpha = alphas[i];
     has_uv_ = !uv.empty();
     fine_ = items.property(position[0]).type == ply::Scalar::float64;
     if (!color.empty()) {
@@ -182,6 +185,15 @@ class PlyMesh {
   }
 
   MeshFile finish() {
+    const bool placed = has_uv_ || !faces_.uv.empty();
+    const bool colored = !colors_.empty() || !faces_.color.empty();
+    if (!placed && !texture_names_.empty()) {
+      builder_.remark("names a texture, but has no texture coordinates: shown without the texture");
+    } else if (placed && texture_names_.empty() && !colored) {
+      builder_.remark(
+          "has texture coordinates, but names no texture: add a line `comment TextureFile NAME` to "
+          "its header, or save it as OBJ");
+    }
     builder_.remarkCount(untextured_, "face", "with a texture that the file does not have");
     const bool blend = builder_.useAlpha();
     const auto plain = static_cast<std::uint32_t>(texture_names_.size());

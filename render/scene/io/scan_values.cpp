@@ -84,12 +84,12 @@ void remarkDegrees(PointCloud& points) {
 }
 
 void dropPlainOpacity(PointCloud& points) {
-  const auto all = [&](float value) {
-    return std::ranges::all_of(points.opacity, [&](float each) { return each == value; });
-  };
-  const bool hidden = !points.opacity.empty() && all(0.0f);
-  if (hidden) points.remarks.emplace_back("the alpha of all points is 0: shown opaque");
-  if (hidden || all(1.0f)) points.opacity.clear();
+  if (points.opacity.empty()) return;
+  const auto [least, most] = std::ranges::minmax(points.opacity);
+  const bool hidden = most <= kNoOpacity;
+  if (hidden)
+    points.remarks.emplace_back("the alpha of all points is 0, or 1 of 255: shown opaque");
+  if (hidden || least == 1.0f) points.opacity.clear();
 }
 
 void remarkDark(PointCloud& points) {

@@ -15,6 +15,9 @@ namespace foci {
 /// Light of a point without a colour: sRGB 0.5.
 inline constexpr float kUncolouredLight = 0.2140f;
 
+/// An alpha of at most 1 of 255 everywhere is none: some exporters write 1 for opaque.
+inline constexpr float kNoOpacity = 1.5f / 255.0f;
+
 /// A remark on colours that are all 0, where the file has intensities, too.
 inline constexpr const char* kGreyInstead = "all colours are 0: shown in grey";
 inline constexpr const char* kIntensityInstead = "all colours are 0: intensity is shown as grey";

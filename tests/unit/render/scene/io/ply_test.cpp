@@ -146,8 +146,57 @@ TEST_F(PlyTest, RemarksPointsThatAreNotSeen) {
   EXPECT_NE(dark.remarks[0].find("nearly black"), std::string::npos);
   const PointCloud clear = read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 0\n");
   ASSERT_EQ(clear.remarks.size(), 1u);
-  EXPECT_NE(clear.remarks[0].find("alpha of all points is 0: shown opaque"), std::string::npos);
+  EXPECT_NE(clear.remarks[0].find("alpha of all points is 0, or 1 of 255: shown opaque"),
+            std::string::npos);
   EXPECT_TRUE(read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 9\n").remarks.empty());
+}
+
+TEST_F(PlyTest, OpacitiesOfAnyTypeMayBeBytes) {
+  const auto opacity = [&](const std::string& type, const std::string& first,
+                           const std::string& second) {
+    return read(
+               "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+               "property float z\nproperty " +
+               type + " alpha\nend_header\n0 0 0 " + first + "\n1 0 0 " + second + "\n")
+        .opacity;
+  };
+  for (const char* type : {"uchar", "int", "ushort", "float"}) {
+    EXPECT_TRUE(opacity(type, "255", "255").empty()) << type;
+    EXPECT_FLOAT_EQ(opacity(type, "51", "255").at(0), 0.2f) << type;
+  }
+  EXPECT_FLOAT_EQ(opacity("float", "0.2", "1").at(0), 0.2f);
+  EXPECT_FLOAT_EQ(opacity("ushort", "13107", "65535").at(0), 0.2f);
+  EXPECT_TRUE(opacity("uchar", "1", "1").empty());  // 1.0 as an integer: opaque
+}
+
+TEST_F(PlyTest, AnElementWithoutItemsNeedsNoProperties) {
+  EXPECT_EQ(read("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                 "property float z\nelement face 0\nend_header\n1 2 3\n")
+                .position_m.at(0),
+            glm::vec3(1, 2, 3));
+}
+
+TEST_F(PlyTest, LabelsThatAreNoneLeaveThePoints) {
+  const auto labels = [&](const std::string& first) {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 1002\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float scalar_Label\nend_header\n0 0 0 " +
+        first + "\n";
+    for (int i = 1; i < 1002; ++i) text += "1 0 0 " + std::to_string(i % 1000) + "\n";
+    return read(text);
+  };
+  const PointCloud some = labels("nan");
+  EXPECT_TRUE(some.remarks.empty());
+  ASSERT_EQ(some.objects.of.size(), 1002u);
+  EXPECT_EQ(some.objects.of[0], 0u);
+  EXPECT_EQ(some.objects.names.at(some.objects.of[1]), "1");
+  for (const char* first : {"0.5", "1000"}) {
+    const PointCloud none = labels(first);
+    EXPECT_TRUE(none.objects.of.empty() && none.objects.names.empty());
+    EXPECT_EQ(none.size(), 1002u);
+    ASSERT_EQ(none.remarks.size(), 1u);
+    EXPECT_NE(none.remarks[0].find("its points are no objects"), std::string::npos);
+  }
 }
 
 TEST_F(PlyTest, RemarksDetailThatFloatsLose) {
@@ -284,7 +333,7 @@ TEST_F(PlyTest, RefusesWhatIsNoPointCloud) {
   expect(ascii + "element vertex 3\n" + xyz + "end_header\n0.00000 0.00000 0.00000\n",
          "after 1 of 3");
   expect(ascii + "element vertex 1\n" + xyz + "property uchar alpha\nend_header\n0 0 0 300\n",
-         ":9: opacity");
+         "vertex 1 has the opacity 300");
   expect(binary + "element vertex 4000000000000000000\n" + xyz + "end_header\nabcdefghijkl",
          "room for at most 1");
   expect(binary + "element vertex 18446744073709551615\n" + xyz + "end_header\nabcdefghijkl",
@@ -323,7 +372,7 @@ TEST_F(PlyTest, IntensityIsGreyWithoutColours) {
                "property float y\nproperty float z\nproperty float ") +
            name + "\nend_header\n";
   };
-  for (const char* name : {"intensity", "scalar_Intensity"}) {
+  for (const char* name : {"intensity", "scalar_Intensity", "reflectivity"}) {
     const PointCloud cloud = read(header(name) + points);
     // From 1 to 99 as sRGB code values: 50 is the code 0.5.
     EXPECT_EQ(cloud.color[0], glm::vec3(0.0f));
