@@ -256,8 +256,8 @@ bool MeshBuilder::takeLight(bool is_black, const glm::vec3& emitted, MeshMateria
 bool MeshBuilder::useAlpha() {
   std::vector<float>& alpha = mesh_.alpha;
   if (alpha.size() == mesh_.corners_m.size() &&
-      std::ranges::all_of(alpha, [](float each) { return each == 0.0f; })) {
-    remark("the alpha of all vertices is 0: shown opaque");
+      std::ranges::all_of(alpha, [](float each) { return each <= kNoOpacity; })) {
+    remark("the alpha of all vertices is 0, or 1 of 255: shown opaque");
     alpha.clear();
   }
   return !alpha.empty();
@@ -335,8 +335,11 @@ void MeshBuilder::readMaterials(SceneFacts& facts,
 /// Some programs write `Tr 1`, or an opacity of 0, for the opposite. So it does not count if it
 /// would hide all faces.
 void MeshBuilder::showHidden(SceneFacts& facts) {
-  for (std::size_t m = 0; m < used_.size(); ++m) {
-    if (used_[m] != 0 && mesh_.materials[m].opacity > 0.0f) return;
+  const auto hidden = static_cast<std::uint64_t>(std::ranges::count_if(
+      mesh_.material, [&](std::uint32_t m) { return mesh_.materials[m].opacity <= 0.0f; }));
+  if (hidden < mesh_.size()) {
+    remarkCount(hidden, "triangle", "of materials with an opacity of 0 not shown");
+    return;
   }
   for (MeshMaterial& material : mesh_.materials) material.opacity = 1.0f;
   for (MaterialFacts& material : facts.materials) material.opacity = 1.0f;

@@ -32,6 +32,23 @@ std::vector<unsigned char> imageBytes(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// Without its folders, of any system.
+std::string plainFileName(std::string_view path) {
+  std::string name(plainName(path));
+  std::ranges::replace(name, '\\', '/');
+  return fs::path(name).filename().string();
+}
+
+/// Makes an image opaque of which nothing would be seen. @return whether it was
+bool showHidden(DecodedImage& image) {
+  std::vector<std::uint8_t>& rgba = image.rgba;
+  for (std::size_t i = 3; i < rgba.size(); i += 4) {
+    if (rgba[i] != 0) return false;
+  }
+  for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
+  return true;
+}
+
 /// See `MeshTextures::read`. The grey is the luma of ITU-R BT.601.
 DecodedImage maskOf(DecodedImage image) {
   std::vector<std::uint8_t>& rgba = image.rgba;
@@ -84,6 +101,10 @@ std::shared_ptr<const MeshTexture> MeshTextures::read(const ImageSource& source,
   if (!is_new) return at->second;
   auto read = image(source, as_mask ? "its material is shown without holes"
                                     : "the colour of its material is shown");
+  if (read && !as_mask && showHidden(*read)) {
+    remarks_.push_back("texture " + shown(plainFileName(source.name)) +
+                       " has an alpha of 0 everywhere: shown opaque");
+  }
   if (read) {
     at->second = std::make_shared<const MeshTexture>(as_mask ? maskOf(std::move(*read)) : *read);
   }
@@ -113,10 +134,11 @@ std::optional<DecodedImage> MeshTextures::image(const ImageSource& source, const
     if (!bytes.empty()) image = decoded(bytes);
   }
   if (image) return image;
-  std::string name(plainName(source.name));
-  std::ranges::replace(name, '\\', '/');
-  remarks_.push_back("texture " + shown(fs::path(name).filename().string()) +
-                     (source.exists()
+  remarks_.push_back("texture " + shown(plainFileName(source.name)) +
+                     (source.name.find("<UDIM>") != std::string::npos
+                          ? " stands for many tiles, and foci shows one texture for a material: "
+                            "join them; "
+                      : source.exists()
                           ? " cannot be read: make it a PNG or JPEG of at most 8192 x 8192; "
                           : " is missing: put it beside the mesh; ") +
                      instead);

@@ -129,16 +129,17 @@ class MtlReader {
 /// Brings colours to linear light; negative ones stay. @return what the user should know
 std::optional<std::string> linearise(std::vector<glm::vec3>& colors,
                                      const std::filesystem::path& path) {
-  float white = 1.0f;
+  constexpr float kSlack = 1e-3f, kByte = 255.0f;
+  float white = 1.0f, least = 0.0f;
   bool whole = true;
   for (const glm::vec3& color : colors) {
     white = std::max({white, color.x, color.y, color.z});
+    if (color != glm::vec3(-1.0f)) least = std::min({least, color.x, color.y, color.z});
     whole = whole && color == glm::round(color);
   }
-  constexpr float kSlack = 1e-3f, kByte = 255.0f;
   const bool bytes = white > 1.0f + kSlack;
-  if (bytes && !(whole && white <= kByte)) {
-    throw InputError(path.string(), "colour ", decimal(double{white}, 3),
+  if (least < -kSlack || (bytes && !(whole && white <= kByte))) {
+    throw InputError(path.string(), "colour ", decimal(double{least < -kSlack ? least : white}, 3),
                      " of a vertex: expected 0 to 1, or whole numbers of 0 to 255");
   }
   for (glm::vec3& color : colors) {
@@ -275,7 +276,10 @@ class ObjMesh {
     const float opacity = from->opacity.value_or(1.0f - transparency);
     material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;
     read.facts->opacity = material.opacity;
-    if (from->mask) material.mask = builder_.textures().read(from->mask->source, /*as_mask=*/true);
+    // The alpha of the texture itself counts already.
+    const bool own =
+        from->mask && !(from->color && from->color->source.name == from->mask->source.name);
+    if (own) material.mask = builder_.textures().read(from->mask->source, /*as_mask=*/true);
     if (const auto& texture = glows ? from->emission : from->color) {
       read.facts->textures = {factsOf(texture->source)};
       material.texture = builder_.textures().read(texture->source);

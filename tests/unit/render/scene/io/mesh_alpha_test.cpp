@@ -143,6 +143,22 @@ TEST_F(MeshAlpha, AMaskOfAnObjCutsHoles) {
   EXPECT_NE(missing.mesh.remarks[0].find("without holes"), std::string::npos);
 }
 
+TEST_F(MeshAlpha, ATextureOfAnObjThatIsItsOwnMaskHasNoHoles) {
+  writeRamps("t.png", false);
+  EXPECT_EQ(at(obj("map_Kd t.png\nmap_d t.png\n"), 0.2f).opacity, 1.0f);
+  writeRamps("t.png", true);
+  EXPECT_EQ(at(obj("map_Kd t.png\nmap_d t.png\n"), 0.2f).opacity, 0.0f);
+}
+
+TEST_F(MeshAlpha, ATextureWithAnAlphaOfZeroEverywhereIsOpaque) {
+  cv::imwrite((folder_.path() / "t.png").string(),
+              cv::Mat(4, 4, CV_8UC4, cv::Scalar(0, 0, 255, 0)));
+  const MeshFile file = obj("map_Kd t.png\n");
+  EXPECT_EQ(at(file, 0.5f).opacity, 1.0f);
+  EXPECT_EQ(at(file, 0.5f).color, glm::vec3(1, 0, 0));
+  EXPECT_NE(file.mesh.remarks.at(0).find("alpha of 0 everywhere"), std::string::npos);
+}
+
 TEST_F(MeshAlpha, OptionsOfAnObjScaleThenMoveTheTexture) {
   writeRamps("t.png", true);
   const auto place = [&](const std::string& options, float x) {

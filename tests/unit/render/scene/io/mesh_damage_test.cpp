@@ -212,6 +212,21 @@ TEST_F(MeshDamage, FacesOfAPlyChooseTheirTexture) {
   EXPECT_EQ(said("a.ply", text + "-1\n"), "");
 }
 
+TEST_F(MeshDamage, ATextureOfAPlyNeedsANameAndCoordinates) {
+  const std::string start = "ply\nformat ascii 1.0\n",
+                    vertices =
+                        "element vertex 3\nproperty float x\nproperty float y\n"
+                        "property float z\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string plain = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_TRUE(has(said("a.ply", start + "comment TextureFile t.png\n" + vertices + faces + plain),
+                  "has no texture coordinates"));
+  EXPECT_TRUE(has(said("b.ply", start + vertices + "property float s\nproperty float t\n" + faces +
+                                    "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"),
+                  "names no texture"));
+  EXPECT_EQ(said("c.ply", start + vertices + faces + plain), "");
+}
+
 TEST_F(MeshDamage, ColoursOfVerticesMayBe0To255) {
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0 300 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
                   "colour 300.000 of a vertex: expected 0 to 1, or whole"));
@@ -376,12 +391,16 @@ TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {
   EXPECT_LT(glm::distance(color(0x8000), glm::vec3(1, 0, 0)), 0.01f);
   EXPECT_LT(glm::distance(color(31), glm::vec3(1, 0, 0)), 0.01f);  // its own: red in the low bits
   EXPECT_LT(glm::distance(color(31 << 10), glm::vec3(0, 0, 1)), 0.01f);
+  EXPECT_LT(glm::distance(color(0x8000 | 31 << 10), glm::vec3(0, 0, 1)), 0.01f);  // MeshLab
 }
 
 TEST_F(MeshDamage, PartsOfAGltfThatAreNotShownAreNamed) {
   const std::string texture =
       R"(,"textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}],"images":[{"uri":"t.ktx2"}])";
   EXPECT_TRUE(has(said("a.gltf", gltf(3, texture)), "KTX2"));
+  const std::string avif =
+      R"(,"textures":[{"extensions":{"EXT_texture_avif":{"source":0}}}],"images":[{"uri":"t"}])";
+  EXPECT_TRUE(has(said("b.gltf", gltf(3, avif)), "AVIF"));
 }
 
 }  // namespace FOCI_FILE

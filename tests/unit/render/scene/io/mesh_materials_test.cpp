@@ -308,6 +308,33 @@ TEST_F(MeshMaterials, PointsAndLinesBesideAMeshAreNamed) {
   EXPECT_TRUE(remarks(file, "2 lines beside the triangles left out"));
 }
 
+TEST_F(MeshMaterials, WhatIsNotShownAsItIsIsNamed) {
+  write("m.mtl", "newmtl m\nmap_Kd t.<UDIM>.png\nnewmtl clear\nTr 1\n");
+  const MeshFile file =
+      readMesh(write("m.obj", "mtllib m.mtl\n" + kTriangle + "usemtl clear\nf 1 2 3\n"));
+  EXPECT_TRUE(remarks(file, "\"t.<UDIM>.png\" stands for many tiles"));
+  EXPECT_TRUE(remarks(file, "1 triangle of materials with an opacity of 0 not shown"));
+  EXPECT_NE(refusal(write("n.obj", "v 0 0 0 0 0 -1\nv 1 0 0 0 0 -1\nv 0 1 0 0 0 -1\nf 1 2 3\n"))
+                .find("colour -1"),
+            std::string::npos);
+}
+
+TEST_F(MeshMaterials, GlassOfAGltfIsNamed) {
+  const auto glass = [&](const std::string& mode) {
+    return readMesh(write(
+        "g.gltf",
+        R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":)"
+        R"([{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],"materials":[{)" +
+            mode +
+            R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.9}}}],)"
+            R"("accessors":[{"bufferView":0,"componentType":5121,"count":3,"type":"VEC3"}],)"
+            R"("bufferViews":[{"buffer":0,"byteLength":12,"byteStride":4}],"buffers":)"
+            R"([{"byteLength":12,"uri":"data:;base64,AAAAAAEAAAAAAQAA"}]})"));
+  };
+  EXPECT_TRUE(remarks(glass(""), "materials of glass"));
+  EXPECT_FALSE(remarks(glass(R"("alphaMode":"BLEND",)"), "materials of glass"));
+}
+
 TEST_F(MeshMaterials, NumbersOfAnObjThatAreNoneAreNamedByLine) {
   EXPECT_NE(refusal(write("m.obj", "v 0 0 x\n")).find("m.obj:1: expected a number, found \"x\""),
             std::string::npos);
