@@ -1,4 +1,4 @@
-// FBX, through Assimp.
+// FBX, through Assimp. Skins have the shape of their bones' nodes.
 #include "render/scene/io/mesh_formats.h"
 
 #ifdef FOCI_FBX
@@ -27,6 +27,8 @@ namespace {
 // Assimp follows the nodes without limits.
 constexpr std::size_t kMaxFbxParts = 1'000'000, kMaxFbxCorners = 300'000'000;
 
+glm::mat4 matrixOf(const aiMatrix4x4& matrix) { return glm::transpose(glm::make_mat4(&matrix.a1)); }
+
 class FbxMesh {
  public:
   explicit FbxMesh(const std::filesystem::path& path)
@@ -38,6 +40,7 @@ class FbxMesh {
     if (scene_.mMetaData != nullptr) takeMetadata(*scene_.mMetaData, facts);
     MeshFile file =
         builder_.finish(std::move(facts), [&](std::uint32_t number) { return materialOf(number); });
+    if (has_morphs_) file.mesh.remarks.emplace_back("its morph targets (shape keys) are left out");
     if (masked_) {
       file.mesh.remarks.emplace_back(
           "materials with a mask of opacity are shown without it; a texture with alpha cuts holes");
@@ -71,7 +74,7 @@ class FbxMesh {
     // The root of an FBX lies in the scene as it is; Assimp 5.4 turns it by the axes that the file
     // states.
     if (&node != scene_.mRootNode) {
-      parent_from_node = glm::transpose(glm::make_mat4(&node.mTransformation.a1));
+      parent_from_node = matrixOf(node.mTransformation);
     }
     const glm::mat4 scene_from_node = scene_from_parent * parent_from_node;
     const std::string own = node.mName.C_Str(), &name = own.empty() ? above : own;
@@ -90,7 +93,8 @@ class FbxMesh {
       throw InputError(path_.string(), "repeats its parts more than a million times");
     }
     const glm::mat3 turn(scene_from_mesh);
-    const glm::mat3 of_normals(normalsFrom(turn));
+    const std::vector<glm::mat4> skin = skinOf(mesh, scene_from_mesh);
+    has_morphs_ |= mesh.mNumAnimMeshes > 0;
     const Placement placement = placementOf(mesh.mMaterialIndex);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
@@ -99,10 +103,11 @@ class FbxMesh {
       for (unsigned k = 0; k < 3; ++k) {
         const unsigned i = face.mIndices[k];
         const aiVector3D& p = mesh.mVertices[i];
-        corners[k].position = glm::vec3(scene_from_mesh * glm::vec4(p.x, p.y, p.z, 1.0f));
+        const glm::mat4& place = skin.empty() ? scene_from_mesh : skin[i];
+        corners[k].position = glm::vec3(place * glm::vec4(p.x, p.y, p.z, 1.0f));
         if (mesh.HasNormals()) {
           const aiVector3D& n = mesh.mNormals[i];
-          corners[k].normal = of_normals * glm::vec3(n.x, n.y, n.z);
+          corners[k].normal = glm::mat3(normalsFrom(glm::mat3(place))) * glm::vec3(n.x, n.y, n.z);
         }
         if (mesh.HasTextureCoords(placement.set)) {
           const aiVector3D& uv = mesh.mTextureCoords[placement.set][i];
@@ -115,6 +120,37 @@ class FbxMesh {
       if (!mesh.HasNormals() && glm::determinant(turn) < 0.0f) std::swap(corners[1], corners[2]);
       builder_.add(corners, mesh.mMaterialIndex);
     }
+  }
+
+  /// Where a node is in the scene, by all nodes above it but the root.
+  glm::mat4 sceneFrom(const aiNode* node) const {
+    glm::mat4 place(1.0f);
+    for (; node != nullptr && node != scene_.mRootNode; node = node->mParent) {
+      place = matrixOf(node->mTransformation) * place;
+    }
+    return place;
+  }
+
+  /// From each vertex of a mesh with bones to the scene; empty for other meshes.
+  std::vector<glm::mat4> skinOf(const aiMesh& mesh, const glm::mat4& scene_from_mesh) const {
+    if (mesh.mNumBones == 0) return {};
+    std::vector<glm::mat4> places(mesh.mNumVertices, glm::mat4(0.0f));
+    std::vector<float> totals(mesh.mNumVertices, 0.0f);
+    for (unsigned b = 0; b < mesh.mNumBones; ++b) {
+      const aiBone& bone = *mesh.mBones[b];
+      const aiNode* const node = scene_.mRootNode->FindNode(bone.mName);
+      if (node == nullptr) continue;
+      const glm::mat4 place = sceneFrom(node) * matrixOf(bone.mOffsetMatrix);
+      for (unsigned w = 0; w < bone.mNumWeights; ++w) {
+        const aiVertexWeight& weight = bone.mWeights[w];
+        places.at(weight.mVertexId) += weight.mWeight * place;
+        totals[weight.mVertexId] += weight.mWeight;
+      }
+    }
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      places[v] = totals[v] > 0.0f ? places[v] / totals[v] : scene_from_mesh;
+    }
+    return places;
   }
 
   /// Physically based materials have another key than those of Phong.
@@ -223,7 +259,7 @@ class FbxMesh {
   const aiScene& scene_;  // of the importer
   MeshBuilder builder_;
   std::size_t parts_ = 0, corners_ = 0;
-  bool masked_ = false;
+  bool masked_ = false, has_morphs_ = false;
 };
 
 }  // namespace

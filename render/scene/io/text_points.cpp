@@ -260,6 +260,9 @@ class TextPointsReader {
                        "has longitude and latitude in degrees: expected x y z in one unit; project "
                        "them to metres, e.g. with QGIS or pdal's filters.reprojection");
     }
+    if (names && line.find("f_dc_0") != std::string_view::npos) {
+      throw InputError(where(), "has Gaussians as text: splat-transform makes a PLY of it");
+    }
     if (comment || (names && columns_)) return;
     if (words_.size() == 1 && !(columns_ && columns_->more)) {
       if (const auto count = parseInteger<std::uint32_t>(words_[0])) {

@@ -150,6 +150,42 @@ TEST_F(Facts, OfAnFbxHavePhysicallyBasedColours) {
             glm::vec3(0, 0, 1));
 }
 
+constexpr const char* kSkinFbx = R"(Deformer: 500, "Deformer::", "Skin" {
+}
+Deformer: 501, "SubDeformer::", "Cluster" {
+Indexes: *4 {
+a: 0,1,2,3
+}
+Weights: *4 {
+a: 1,1,1,1
+}
+Transform: *16 {
+a: 1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1
+}
+TransformLink: *16 {
+a: 1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1
+}
+}
+Model: 600, "Model::bone", "LimbNode" {
+Properties70:  {
+P: "Lcl Translation", "Lcl Translation", "", "A",5,0,0
+}
+}
+)";
+
+TEST_F(Facts, OfAnFbxHaveThePoseOfTheBones) {
+#ifndef FOCI_FBX
+  GTEST_SKIP() << "built without Assimp";
+#endif
+  std::string text = kQuadFbx;
+  text.insert(text.find("\tModel: 200"), kSkinFbx);
+  text.insert(text.find("\tC: \"OO\",200,0"),
+              "C: \"OO\",600,0\nC: \"OO\",500,100\nC: \"OO\",501,500\nC: \"OO\",600,501\n");
+  const TriangleMesh mesh = readMesh(scratch.write("s.fbx", text)).mesh;
+  ASSERT_EQ(mesh.size(), 2u);
+  for (const glm::vec3& p : mesh.corners_m) EXPECT_TRUE(p.x >= 5.0f && p.x <= 7.0f) << p.x;
+}
+
 TEST_F(Facts, OfPointsAndPreparedScenes) {
   const SceneFacts facts =
       factsIn(scratch.write("p.xyz", "0 0 0 255 0 0\n1 2 3 0 0 255\nnan 0 0 0 0 0\n"));

@@ -179,6 +179,11 @@ TEST_F(TextPoints, AnEmptyFieldIsAColumn) {
   EXPECT_TRUE(has(refusal("x,y,z\n1,,3\n", "p.csv"), "p.csv:2: expected a number"));
 }
 
+TEST_F(TextPoints, GaussiansAreNoPoints) {
+  EXPECT_TRUE(has(refusal("x,y,z,f_dc_0,f_dc_1,f_dc_2,opacity\n1,2,3,0,0,0,1\n", "p.csv"),
+                  "has Gaussians as text"));
+}
+
 TEST_F(TextPoints, MoreLinesThanStatedAreNamed) {
   const PointCloud points = read("1\n0 0 0\n0 0 1\n", "p.pwn");
   EXPECT_TRUE(has(points.remarks.at(0), "states 1 points, and has 2"));
