@@ -338,7 +338,7 @@ void MeshBuilder::showHidden(SceneFacts& facts) {
   const auto hidden = static_cast<std::uint64_t>(std::ranges::count_if(
       mesh_.material, [&](std::uint32_t m) { return mesh_.materials[m].opacity <= 0.0f; }));
   if (hidden < mesh_.size()) {
-    remarkCount(hidden, "triangle", "of materials with an opacity of 0 not shown");
+    remarkCount(hidden, "triangle", "of materials with an opacity of 0: not shown");
     return;
   }
   for (MeshMaterial& material : mesh_.materials) material.opacity = 1.0f;

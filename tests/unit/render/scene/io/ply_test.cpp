@@ -342,7 +342,7 @@ TEST_F(PlyTest, RefusesWhatIsNoPointCloud) {
   expect(binary + "element e 1\nproperty list uint int l\nelement vertex 1\n" + xyz +
              "end_header\n\xff\xff\xff\xff" + "abcdefghijklm",
          "list l");
-  expect(binary + "element e 0\nelement vertex 1\n" + xyz + "end_header\nabcdefghijkl",
+  expect(binary + "element e 3\nelement vertex 1\n" + xyz + "end_header\nabcdefghijkl",
          "no properties");
 }
 
