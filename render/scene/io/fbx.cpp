@@ -15,6 +15,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/input_error.h"
 #include "base/text.h"

@@ -7,8 +7,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/ply_header.h"
