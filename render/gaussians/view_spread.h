@@ -95,9 +95,8 @@ class ViewSpread {
   ///
   /// Edges anywhere on the lens err by 1.05 to 1.15 times this, with seven discs and with 127; with
   /// three by 0.4 (tests of ViewSpread). The exponents and the shares by radius are fits to tiles
-  /// of two captures, which agree; the garden (builtin/garden.cpp) took no part. With 3 to 20 px of
-  /// blur before or behind the focus, 95 % of the pixels err by 0.5 to 1.05 of what `auto` predicts
-  /// for these three scenes, but by 1.2 to 1.3 where one disc is enough for the garden.
+  /// of two captures, which agree; the garden (builtin/garden.cpp) and scattered Gaussians took no
+  /// part. docs/results.md has the errors of whole frames over their predictions.
   /// @param discs      of the views, in their order
   /// @param radius_px  blur radius of what the views show
   /// @param behind     by place
