@@ -279,7 +279,8 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
   return {{std::move(cloud)},
           {.mesh = summary.of_mesh,
            .plain_colors = !summary.facts.has_colors,
-           .up_axis = request.up_axis ? request.up_axis(summary.facts) : std::nullopt}};
+           .up_axis = request.up_axis ? request.up_axis(summary.facts) : std::nullopt,
+           .y_is_down = summary.facts.y_is_down}};
 }
 
 /// Gaussians with their tree.

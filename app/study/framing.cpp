@@ -164,8 +164,7 @@ void chooseScale(const SceneFacts& facts, double distance, Framing& framing) {
 /// Places the eye in a scan of a room, a street or a landscape. @return whether it is one
 bool enterScan(const SceneFacts& facts, const FramingRequest& request, Framing& framing) {
   // Of captures and of COLMAP's points, nobody knows the unit. Corners of meshes are too few.
-  const bool is_scan =
-      facts.points > 0 && facts.kind != SceneKind::gaussians && facts.format != "COLMAP points";
+  const bool is_scan = facts.points > 0 && facts.kind != SceneKind::gaussians && !facts.y_is_down;
   const bool is_prepared = facts.kind == SceneKind::prepared && !facts.samples_of_mesh;
   if (!is_scan && !is_prepared) return false;
   const double unit_m = request.scale_m.value_or(facts.unit_m.value_or(1.0));
@@ -254,10 +253,13 @@ std::string nameOf(const UpAxis& up) {
 }
 
 UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
-  if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts) + " states"};
+  if (facts.up_axis) {
+    return {*facts.up_axis, *facts.up_axis == 1 && facts.y_is_down,
+            "as the " + nameOf(facts) + " states"};
+  }
   if (facts.kind == SceneKind::gltf) return {1, false, "the convention of glTF"};
   if (facts.kind == SceneKind::obj) return {1, false, guess("the convention of OBJ", 1)};
-  if (facts.y_is_down || facts.format == "COLMAP points") {
+  if (facts.y_is_down) {
     return {1, true, "y points down in captured scenes; if not: --up y"};
   }
   if (facts.kind == SceneKind::gaussians) {

@@ -37,6 +37,7 @@ struct PointCloud {
   std::string format = {};
   std::optional<double> unit_m = {};
   std::optional<int> up_axis = {};
+  bool y_is_down = false;  ///< the convention of cameras
   /// What the user should know of the file: a texture that is missing, an origin that was moved.
   /// One sentence each, without the name of the file.
   std::vector<std::string> remarks;

@@ -49,6 +49,7 @@ PointCloud readColmap(const std::filesystem::path& path) {
   }
   PointCloud points;
   points.format = "COLMAP points";
+  points.y_is_down = true;
   ScanPositions positions(points);
   std::uint64_t at = kCountBytes;
   for (std::uint64_t i = 0; i < count; ++i) {

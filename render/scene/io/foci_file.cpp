@@ -23,18 +23,21 @@ static_assert(sizeof(glm::vec3) == 12);
 
 constexpr std::uint32_t kOriented = 1, kWithOpacity = 2, kMesh = 4, kPlainColors = 8, kBodies = 64,
                         kObjects = 128;
-constexpr std::uint32_t kUpAxisX = 16, kUpAxes = 48,
-                        kFlags = 255;  // an up axis is a multiple of kUpAxisX
+constexpr std::uint32_t kUpAxisX = 16, kUpAxes = 48,  // an up axis is a multiple of kUpAxisX
+    kYIsDownOfSurfels = 256, kFlags = 511;
 
 std::uint32_t flagsOf(const SurfelCloud& cloud, const SurfelOrigin& origin) {
   return (cloud.oriented ? kOriented : 0) | (cloud.opacity.empty() ? 0 : kWithOpacity) |
          (origin.mesh ? kMesh : 0) | (origin.plain_colors ? kPlainColors : 0) |
          (cloud.bodies.of_surfel.empty() ? 0 : kBodies) | (cloud.objects.empty() ? 0 : kObjects) |
-         (origin.up_axis ? kUpAxisX * static_cast<std::uint32_t>(*origin.up_axis + 1) : 0);
+         (origin.up_axis ? kUpAxisX * static_cast<std::uint32_t>(*origin.up_axis + 1) : 0) |
+         (origin.y_is_down ? kYIsDownOfSurfels : 0);
 }
 
 SurfelOrigin originOf(std::uint32_t flags) {
-  SurfelOrigin origin{.mesh = (flags & kMesh) != 0, .plain_colors = (flags & kPlainColors) != 0};
+  SurfelOrigin origin{.mesh = (flags & kMesh) != 0,
+                      .plain_colors = (flags & kPlainColors) != 0,
+                      .y_is_down = (flags & kYIsDownOfSurfels) != 0};
   const int axis = static_cast<int>((flags & kUpAxes) / kUpAxisX);
   if (axis > 0) origin.up_axis = axis - 1;
   return origin;

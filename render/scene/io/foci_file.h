@@ -49,7 +49,7 @@ struct SurfelOrigin {
   bool mesh = false;             ///< samples of a mesh, so that none of them is a stray
   bool plain_colors = false;     ///< at most a colour for each material: no light is in them
   std::optional<int> up_axis{};  ///< 0 x, 1 y, 2 z
-  bool y_is_down = false;        ///< of Gaussians: the convention of cameras
+  bool y_is_down = false;        ///< the convention of cameras
   bool operator==(const SurfelOrigin&) const = default;
 };
 

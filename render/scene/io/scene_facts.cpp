@@ -56,6 +56,7 @@ SceneFacts factsOfPrepared(const SurfelCloud& cloud, const SurfelOrigin& origin)
           .opacity = rangeOf(cloud.opacity),
           .samples_of_mesh = origin.mesh,
           .up_axis = origin.up_axis,
+          .y_is_down = origin.y_is_down,
           .position = {cloud.position_m.begin(), cloud.position_m.end()}};
 }
 
@@ -87,6 +88,7 @@ SceneFacts factsOfContent(const PointCloud& points) {
           .remarks = points.remarks,
           .unit_m = points.unit_m,
           .up_axis = points.up_axis,
+          .y_is_down = points.y_is_down,
           .position = points.position_m};
 }
 

@@ -44,6 +44,7 @@ struct TextColumns {
   std::optional<double> unit_m{};  ///< of x, y and z
   Three doubt = kNoThree;          ///< standard deviations of distance and of its inverse
   std::string format{};            ///< a name of its own
+  bool y_is_down = false;          ///< the convention of cameras
 };
 
 using TextWords = std::vector<std::string_view>;
@@ -177,6 +178,7 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   const int before_track = last;
   if (const int track = columnOf({"track"}); numbered && track > before_track) {
     columns.format = "COLMAP points";
+    columns.y_is_down = true;
     columns.count = static_cast<std::size_t>(track);
     columns.more = true;
   }
@@ -363,6 +365,7 @@ class TextPointsReader {
   /// What the file says of its points, and what was left out.
   void takeStatements() {
     points_.format = columns_->format;
+    points_.y_is_down = columns_->y_is_down;
     points_.unit_m = columns_->unit_m;
     if (columns_->doubt == kNoThree) return;
     points_.unit_m = 1.0;  // metres, and gravity along -z

@@ -226,8 +226,12 @@ TEST(UpAxis, FollowsConventionUnlessAScanIsFlat) {
   EXPECT_EQ(upOf(cloudOf(flat_y)), "y");
   EXPECT_EQ(upOf(cloudOf(flat_x)), "z");  // a wall stands
   SceneFacts colmap = cloudOf(flat_y);
-  colmap.format = "COLMAP points";
+  colmap.y_is_down = true;
   EXPECT_EQ(upOf(colmap), "-y");
+  colmap.up_axis = 1;  // prepared
+  EXPECT_EQ(upOf(colmap), "-y");
+  colmap.up_axis = 2;
+  EXPECT_EQ(upOf(colmap), "z");
   EXPECT_EQ(nameOf(*upAxisNamed("-y")), "-y");
   EXPECT_FALSE(upAxisNamed("w"));
 }

@@ -124,6 +124,56 @@ TEST(ViewSpread, TellsTheErrorOfEdges) {
   }
 }
 
+// Edges of the image that are as soft as a pixel: the smaller the blur, the more of them three
+// discs integrate. The mean over the lens is a sum over many points.
+TEST(ViewSpread, TellsTheErrorOfSoftEdgesByTheBlur) {
+  constexpr int kTiles = 20, kMany = 2000;
+  constexpr float kDark = 0.3f, kBright = 0.32f, kSoft_px = 1.0f;
+  const float jnd = glm::length(visibleDifferencePerLight(glm::vec3(kDark)) * glm::vec3(1.0f));
+  const auto edge = [](float px) { return 0.5f + 0.5f * std::erf(px / (kSoft_px * 1.4142136f)); };
+  for (const float blur_px : {2.0f, 4.0f, 8.0f}) {
+    for (const int n : {3, 7}) {
+      if (n > 3 && blur_px < 4.0f) continue;  // hardly any error
+      const std::vector<LensDisc> discs = subApertureDiscs(n);
+      std::mt19937 random(7);
+      std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+      double errors2 = 0.0, predicted2 = 0.0;
+      for (int tile = 0; tile < kTiles; ++tile) {
+        std::array<glm::vec2, kFollowed> normals;
+        std::array<float, kFollowed> at_px, mean{};
+        for (std::size_t i = 0; i < kFollowed; ++i) {
+          normals[i] = onCircle(unit(random));
+          at_px[i] = (2.0f * unit(random) - 1.0f) * (blur_px + 2.0f * kSoft_px);
+        }
+        const auto share = [&](const glm::vec2& place, std::size_t i) {
+          return edge(blur_px * glm::dot(place, normals[i]) - at_px[i]);
+        };
+        Views views;
+        for (const LensDisc& disc : discs) {
+          const std::span<SeenLight> seen = views.spread.next();
+          for (std::size_t i = 0; i < kFollowed; ++i) {
+            const float bright = share(disc.centre, i);
+            const float shown = srgbFromLinear(glm::mix(kDark, kBright, bright));
+            seen[i] = {shown, shown, shown, 0.0f};
+            mean[i] += bright / static_cast<float>(n);
+          }
+        }
+        const auto predicted = views.spread.errorsOfMean(discs, blur_px, kBlack);
+        for (std::size_t i = 0; i < kFollowed; ++i) {
+          float truth = 0.0f;
+          for (int k = 0; k < kMany; ++k) truth += share(lensSample(k, kMany), i) / kMany;
+          const double error = jnd * (kBright - kDark) * (mean[i] - truth);
+          errors2 += error * error;
+          predicted2 += double{predicted[i]} * double{predicted[i]};
+        }
+      }
+      const double ratio = std::sqrt(predicted2 / errors2);
+      EXPECT_GE(ratio, n == 3 ? 2.5 : 0.8) << n << ' ' << blur_px;
+      EXPECT_LE(ratio, n == 3 ? 3.0 : 1.1) << n << ' ' << blur_px;
+    }
+  }
+}
+
 TEST(ViewSpread, AViewErrsByItsDistanceFromItsJudges) {
   Views one, three;
   one.add(glm::vec3(0.25f));

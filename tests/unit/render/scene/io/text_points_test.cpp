@@ -243,6 +243,7 @@ TEST_F(TextPoints, TracksOfColmapHaveAnyLength) {
     EXPECT_EQ(points.position_m[2], glm::vec3(0, 1, 0));
     EXPECT_EQ(points.color[1], glm::vec3(0, 1, 0));
     EXPECT_EQ(points.format, "COLMAP points");
+    EXPECT_TRUE(points.y_is_down);
   }
   EXPECT_TRUE(has(refusal(names + "1 0 0 0 255 0 0\n", "a.txt"), "has 7 numbers: expected 8"));
 }
@@ -293,6 +294,7 @@ TEST_F(TextPoints, PointsOfColmapMayBeBinary) {
   EXPECT_EQ(points.position_m[1], glm::vec3(-2, 2, 3));
   EXPECT_EQ(points.color[1], glm::vec3(1, 0, 0));
   EXPECT_EQ(points.format, "COLMAP points");
+  EXPECT_TRUE(points.y_is_down);
   bytes[8 + 43] = 9;  // images of the first point: more than there is room for
   EXPECT_FALSE(isScene(scratch.write("cut.bin", bytes)));
 }
