@@ -59,16 +59,6 @@ std::string_view withoutByteOrderMark(std::string_view text) {
   return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
 }
 
-std::string shown(std::string_view text) {
-  constexpr std::size_t kMaxBytes = 40;
-  std::string result;
-  for (char c : text.substr(0, kMaxBytes)) {
-    result += c >= 0x20 && c < 0x7f ? c : '?';
-  }
-  if (text.size() > kMaxBytes) result += "...";
-  return '"' + result + '"';
-}
-
 namespace {
 
 struct CodePoint {
@@ -105,6 +95,19 @@ bool isControl(char32_t c) {
 std::size_t utf8Length(std::string_view text) {
   const auto point = codePointAt(text);
   return point ? point->bytes : 0;
+}
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t kMaxBytes = 40;
+  std::string result;
+  while (!text.empty()) {
+    const auto point = codePointAt(text);
+    const std::size_t bytes = point ? point->bytes : 1;
+    if (result.size() + bytes > kMaxBytes) return '"' + result + "...\"";
+    result += point && !isControl(point->value) ? text.substr(0, bytes) : "?";
+    text.remove_prefix(bytes);
+  }
+  return '"' + result + '"';
 }
 
 std::string visible(std::string_view text) {

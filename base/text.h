@@ -66,7 +66,7 @@ std::string_view trimmed(std::string_view text);
 std::string_view withoutByteOrderMark(std::string_view text);
 
 /// A text from outside, ready for an error message: in double quotes, at most 40 bytes, with "?"
-/// for each byte that is not printable ASCII.
+/// for each control character and each byte that is not UTF-8.
 std::string shown(std::string_view text);
 
 /// `text` on one line of a terminal, of a table between tabs or of a page: control characters, and

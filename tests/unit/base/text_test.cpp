@@ -35,6 +35,9 @@ TEST(Trimmed, RemovesBlanksAtBothEnds) {
 TEST(Shown, IsShortAndPrintable) {
   EXPECT_EQ(shown("a\nb\xff"), "\"a?b?\"");
   EXPECT_EQ(shown(std::string(50, 'x')), '"' + std::string(40, 'x') + "...\"");
+  EXPECT_EQ(shown("M\xc3\xbcller"), "\"M\xc3\xbcller\"");
+  EXPECT_EQ(shown("a\xe2\x80\xae\xc3"), "\"a??\"");  // a turn of the text; half a character
+  EXPECT_EQ(shown(std::string(39, 'x') + "\xc3\xbc"), '"' + std::string(39, 'x') + "...\"");
 }
 
 TEST(Visible, ShowsControlCharactersAsEscapes) {
