@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "calibration/calibration_file.h"
 
 namespace foci {
@@ -62,55 +63,107 @@ double numberIn(const Json& calibration, const char* key, double low, double hig
   return value;
 }
 
+/// json_tricks wraps numpy arrays.
+const Json& unwrapped(const Json& value) {
+  return value.is_object() && value.contains("__ndarray__") ? value["__ndarray__"] : value;
+}
+
+/// Python writes NaN, which JSON lacks. Not within strings.
+std::string withoutNan(const std::string& text) {
+  std::string result;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (!quoted && text.compare(i, 3, "NaN") == 0) {
+      result += "null";
+      i += 2;
+      continue;
+    }
+    result += text[i];
+    if (text[i] == '"') quoted = !quoted;
+    if (text[i] == '\\' && i + 1 < text.size()) result += text[++i];
+  }
+  return result;
+}
+
+/// The mean of `values`: a number, or one for each gun. Absent where all are 1: not measured.
+std::optional<double> meanGamma(const Json& values, const char* key, const std::string& file) {
+  const Json guns = values.is_array() ? values : Json::array({values});
+  double sum = 0.0;
+  bool measured = false;
+  for (const Json& gun : guns) {
+    const double value = gun.is_number() ? gun.get<double>() : -1.0;
+    if (!(value > 0.0 && value <= 4.0)) {
+      throw InputError(file, std::string(key) + " = " + values.dump().substr(0, 40) +
+                                 ": expected 1 to 4, or one such number for each gun");
+    }
+    measured |= value != 1.0;
+    sum += value;
+  }
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(guns.size(), 1));
+  return measured && mean > 1.0 ? std::optional(mean) : std::nullopt;
+}
+
+/// As PsychoPy's Monitor.getGamma: the third column of `gammaGrid` below its first row, which is of
+/// all guns together, unless all are 1; else `gamma`.
+std::optional<double> gammaIn(const Json& fields, const std::string& file) {
+  const Json grid = unwrapped(fields.value("gammaGrid", Json()));
+  if (!grid.is_null()) {
+    Json guns = Json::array();
+    for (std::size_t row = 1; row < 4; ++row) {
+      const bool has =
+          grid.is_array() && grid.size() == 4 && grid[row].is_array() && grid[row].size() > 2;
+      guns.push_back(has ? grid[row][2] : Json());
+    }
+    if (const auto gamma = meanGamma(guns, "gammaGrid", file)) return gamma;
+  }
+  const Json gamma = unwrapped(fields.value("gamma", Json()));
+  return gamma.is_null() ? std::nullopt : meanGamma(gamma, "gamma", file);
+}
+
 }  // namespace
 
 ScreenCalibration readPsychoPyMonitor(const std::filesystem::path& file) {
-  const std::string name = file.string(), text = bytesOfFile(file, kMaxFile_bytes);
+  const std::string name = file.string(), text = withoutNan(bytesOfFile(file, kMaxFile_bytes));
   bool too_deep = false;
-  const auto shallow = [&](int depth, nlohmann::ordered_json::parse_event_t,
-                           nlohmann::ordered_json&) {
+  const auto shallow = [&](int depth, Json::parse_event_t, Json&) {
     too_deep = too_deep || depth > kMaxDepth;
     return !too_deep;
   };
-  const auto document = nlohmann::ordered_json::parse(text, shallow, false);
+  const auto document = Json::parse(text, shallow, false);
   if (document.is_discarded() || too_deep) throw InputError(name, "not JSON");
 
-  // A file holds one calibration, or several by name, of which the last counts.
-  const auto* calibration = &document;
+  // A file holds one calibration, or several by name, of which PsychoPy takes the last in the
+  // alphabet.
+  std::string source = "PsychoPy monitor";
+  Json fields = document;
   if (document.is_object() && !document.empty() && !document.contains("sizePix")) {
-    calibration = &*std::prev(document.end());
+    const auto last = std::prev(document.end());
+    fields = *last;
+    if (document.size() > 1) source += ", calibration " + shown(last.key());
   }
-  if (!calibration->is_object()) throw InputError(name, "not a PsychoPy monitor");
-  const Json fields = *calibration;
+  if (!fields.is_object()) throw InputError(name, "not a PsychoPy monitor");
 
-  auto size = fields.find("sizePix");
-  if (size == fields.end()) throw InputError(name, "no \"sizePix\": not a PsychoPy monitor");
-  // json_tricks wraps numpy arrays.
-  if (size->is_object() && size->contains("__ndarray__")) size = size->find("__ndarray__");
+  if (!fields.contains("sizePix")) {
+    throw InputError(name, "no \"sizePix\": not a PsychoPy monitor");
+  }
+  const Json& size = unwrapped(fields["sizePix"]);
   glm::ivec2 size_px{0};
-  for (int i = 0; i < 2 && size->is_array() && size->size() == 2; ++i) {
-    if ((*size)[i].is_number())
-      size_px[i] = static_cast<int>(std::clamp((*size)[i].get<double>(), 0.0, 1e6));
+  for (int i = 0; i < 2 && size.is_array() && size.size() == 2; ++i) {
+    if (size[i].is_number())
+      size_px[i] = static_cast<int>(std::clamp(size[i].get<double>(), 0.0, 1e6));
   }
   if (size_px.x < 16 || size_px.y < 16 || size_px.x > 16384 || size_px.y > 16384) {
-    throw InputError(
-        name, "sizePix = " + size->dump().substr(0, 40) + ": expected two of 16 to 16384 px");
+    throw InputError(name,
+                     "sizePix = " + size.dump().substr(0, 40) + ": expected two of 16 to 16384 px");
   }
   const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
   const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;
   ScreenCalibration monitor{.screen = {.size_px = size_px,
                                        .size_m = {width_m, width_m * size_px.y / size_px.x},
                                        .distance_m = distance_m},
-                            .size_from = "PsychoPy monitor",
-                            .distance_from = "PsychoPy monitor"};
-  const auto gamma = fields.find("gamma");
-  if (gamma != fields.end() && gamma->is_number()) {
-    const double value = gamma->get<double>();
-    if (!(value > 0.0 && value <= 4.0)) {
-      throw InputError(name, "gamma = " + gamma->dump().substr(0, 40) + ": expected 1 to 4");
-    }
-    if (value > 1.0) monitor.gamma = value;
-  }
+                            .size_from = source,
+                            .distance_from = source};
+  monitor.gamma = gammaIn(fields, name);
   return monitor;
 }
 

@@ -24,9 +24,9 @@ std::string screenToml(const ScreenCalibration& calibration);
 ScreenCalibration readScreen(const std::filesystem::path& file);
 
 /// Reads a PsychoPy monitor file (`monitors/NAME.json`): `sizePix` [px, px], `width` cm, `distance`
-/// cm. Of several named calibrations, the last in the file counts, as in PsychoPy. The height
-/// follows from square pixels. `gamma` counts where it is above 1 and at most 4; 1 is PsychoPy's
-/// default for an unmeasured screen.
+/// cm. Of several named calibrations, the last in the alphabet counts, as in PsychoPy. The height
+/// follows from square pixels. The gamma is the mean of the guns in `gammaGrid`, or else `gamma`; 1
+/// is PsychoPy's default for an unmeasured screen.
 /// @throws InputError where a field is missing, of the wrong type or out of range
 ScreenCalibration readPsychoPyMonitor(const std::filesystem::path& file);
 

@@ -100,14 +100,38 @@ TEST_F(CalibrationFiles, ScreensComeBackFromTomlAndPsychoPy) {
 }
 
 TEST_F(CalibrationFiles, PsychoPyTakesTheLastCalibrationAndNumpyArrays) {
-  const Screen screen = readPsychoPyMonitor(write(R"({
-    "2023_05_01": {"sizePix": [800, 600], "width": 30, "distance": 50},
+  const ScreenCalibration monitor = readPsychoPyMonitor(write(R"({
     "2024_01_02": {"sizePix": {"__ndarray__": [1920, 1080], "dtype": "int64"},
-                   "width": 53.0, "distance": 60.0, "gamma": null, "notes": ""}})"))
-                            .screen;
+                   "width": 53.0, "distance": 60.0, "gamma": null, "notes": ""},
+    "2023_05_01": {"sizePix": [800, 600], "width": 30, "distance": 50}})"));
+  EXPECT_NE(monitor.size_from.find("\"2024_01_02\""), std::string::npos) << monitor.size_from;
+  const Screen& screen = monitor.screen;
   EXPECT_EQ(screen.size_px, glm::ivec2(1920, 1080));
   EXPECT_NEAR(screen.size_m.x, 0.53, 1e-12);
   EXPECT_NEAR(screen.distance_m, 0.6, 1e-12);
+}
+
+TEST_F(CalibrationFiles, PsychoPyGivesGammaAsANumberAListOrAGrid) {
+  const auto gamma = [&](const std::string& fields) {
+    return readPsychoPyMonitor(write(R"({"a": {"sizePix": [1920, 1080], "width": 53, )"
+                                     R"("distance": 60, "notes": "NaN", )" +
+                                     fields + "}}"))
+        .gamma;
+  };
+  const auto grid = [](const std::string& values) {
+    return R"("gamma": 1.8, "gammaGrid": {"__ndarray__": )" + values + "}";
+  };
+  EXPECT_DOUBLE_EQ(gamma(R"("gamma": 2.2)").value(), 2.2);
+  EXPECT_DOUBLE_EQ(gamma(R"("gamma": [2.1, 2.2, 2.3])").value(), 2.2);
+  EXPECT_FALSE(gamma(R"("gamma": [1, 1, 1])"));
+  const std::string measured =
+      "[[0, 120, 2.4, NaN], [0, 30, 2.0, NaN], [0, 70, 2.0, NaN], "
+      "[0, 20, 2.3, NaN]]";
+  EXPECT_DOUBLE_EQ(gamma(grid(measured)).value(), 2.1);
+  EXPECT_DOUBLE_EQ(gamma(grid("[[0, 1, 1], [0, 1, 1], [0, 1, 1], [0, 1, 1]]")).value(), 1.8);
+  EXPECT_THROW(gamma(grid("[[0, 1, 1], [0, 1, 1]]")), InputError);
+  EXPECT_THROW(gamma(grid("[[0, 1, 1], [0, 1, 1], [0, 1, 1], [0, 1, 9]]")), InputError);
+  EXPECT_THROW(gamma(R"("gamma": "2.2")"), InputError);
 }
 
 TEST_F(CalibrationFiles, HostileMonitorsAreRefused) {
