@@ -6,11 +6,13 @@
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
 #include "app/platform/output_files.h"
+#include "app/platform/warnings.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/calibration_file.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/screen/screen_size.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {
@@ -39,7 +41,7 @@ glm::dvec2 pairOf(const std::string& option, const std::string& text, double low
   return {two[0], two[1]};
 }
 
-std::optional<glm::dvec2> edidOf(const std::filesystem::path& file) {
+std::optional<glm::dvec2> edidOf(const std::filesystem::path& file, Warnings& warnings) {
   if (file.empty()) return std::nullopt;
   requireRegularFile(file);
   std::ifstream in(file, std::ios::binary);
@@ -47,7 +49,9 @@ std::optional<glm::dvec2> edidOf(const std::filesystem::path& file) {
   std::vector<unsigned char> bytes(512);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(in.gcount()));
-  return edidSize_m(bytes);
+  const EdidSize size = edidSize(bytes);
+  warnings.add(file.string(), size.warning);
+  return size.size_m;
 }
 
 /// Size of the visible area: a bank card takes precedence over --size-m, --size-m over the EDID.
@@ -124,7 +128,8 @@ void calibrateScreen(const CalibrateScreenOptions& options) {
     }
     calibration.gamma = gamma[0];
   }
-  const auto edid_m = edidOf(options.edid);
+  Warnings warnings;
+  const auto edid_m = edidOf(options.edid, warnings);
   if (options.headless) {
     measureSize(options, edid_m, calibration);
     measureDistance(options, calibration);
@@ -138,6 +143,7 @@ void calibrateScreen(const CalibrateScreenOptions& options) {
   }
 
   const Screen& screen = calibration.screen;
+  for (const std::string& doubt : screenDoubts(screen)) warnings.add(doubt);
   std::optional<double> edid_off;
   if (edid_m) edid_off = disagreement(screen.size_m, *edid_m);
   if (edid_off && *edid_off > kEdidTolerance) {

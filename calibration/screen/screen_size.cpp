@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kMinPxPerMetre = 200.0, kMaxPxPerMetre = 100'000.0;
 constexpr double kOblong = 0.1;
-constexpr double kMinDistance_m = 0.1, kMaxDistance_m = 10.0;
 constexpr std::size_t kMinRuns = 3;
 constexpr double kRefusedAt = 3.0;   // robust deviations from the median
 constexpr double kMinRefused = 0.1;  // of the median: observers' runs differ by less
@@ -24,6 +23,11 @@ constexpr double kMinRefused = 0.1;  // of the median: observers' runs differ by
 void refuseDistance(const char* how, double distance_m) {
   if (distance_m >= kMinDistance_m && distance_m <= kMaxDistance_m) return;
   throw InputError(how, significant(distance_m, 6) + " m: expected 0.1 to 10 m");
+}
+
+/// 16 x 9 or 16 x 10 cm: displays of any size state their ratio so.
+bool mayBeRatio(const std::optional<glm::dvec2>& size_m) {
+  return size_m == glm::dvec2(0.16, 0.09) || size_m == glm::dvec2(0.16, 0.1);
 }
 
 }  // namespace
@@ -101,7 +105,7 @@ double distanceByFace_m(double face_px, double reference_px, double reference_m)
   return distance_m;
 }
 
-std::optional<glm::dvec2> edidSize_m(std::span<const unsigned char> edid) {
+EdidSize edidSize(std::span<const unsigned char> edid) {
   constexpr std::array<unsigned char, 8> kHeader{0, 255, 255, 255, 255, 255, 255, 0};
   constexpr std::size_t kBlock = 128, kTiming = 54;
   if (edid.size() < kBlock || !std::equal(kHeader.begin(), kHeader.end(), edid.begin())) {
@@ -110,14 +114,31 @@ std::optional<glm::dvec2> edidSize_m(std::span<const unsigned char> edid) {
   const unsigned sum = std::accumulate(edid.begin(), edid.begin() + kBlock, 0u);
   if (sum % 256 != 0) throw InputError("EDID", "wrong checksum");
   const auto byte = [&](std::size_t at) { return static_cast<int>(edid[at]); };
+  constexpr int kRounding_mm = 10;  // of whole centimetres
+  const int width_cm = byte(21), height_cm = byte(22);
+  EdidSize size;
+  if (width_cm > 0 && height_cm > 0) size.size_m = glm::dvec2(width_cm, height_cm) / 100.0;
   // A detailed timing starts with a pixel clock above 0; its sizes are 12 bits each.
   if (byte(kTiming) != 0 || byte(kTiming + 1) != 0) {
     const int width_mm = byte(kTiming + 12) | (byte(kTiming + 14) & 0xF0) << 4;
     const int height_mm = byte(kTiming + 13) | (byte(kTiming + 14) & 0x0F) << 8;
-    if (width_mm > 0 && height_mm > 0) return glm::dvec2(width_mm, height_mm) / 1000.0;
+    if (width_mm == 0 || height_mm == 0) return size;
+    const bool differs = std::abs(width_mm - 10 * width_cm) > kRounding_mm ||
+                         std::abs(height_mm - 10 * height_cm) > kRounding_mm;
+    if (size.size_m && !mayBeRatio(size.size_m) && differs) {
+      size.warning = printed(
+          "its detailed timing states %d x %d mm, and its bytes 21 and 22 %d x %d cm: the latter "
+          "are taken, a bank card is more certain",
+          width_mm, height_mm, width_cm, height_cm);
+    } else {
+      size.size_m = glm::dvec2(width_mm, height_mm) / 1000.0;
+    }
   }
-  if (byte(21) > 0 && byte(22) > 0) return glm::dvec2(byte(21), byte(22)) / 100.0;
-  return std::nullopt;
+  if (mayBeRatio(size.size_m)) {
+    size.warning = printed("it states %.0f x %.0f cm, which may be a ratio only: use a bank card",
+                           100.0 * size.size_m->x, 100.0 * size.size_m->y);
+  }
+  return size;
 }
 
 double disagreement(const glm::dvec2& a, const glm::dvec2& b) {

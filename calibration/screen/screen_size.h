@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
@@ -12,6 +13,7 @@ namespace foci {
 
 inline constexpr glm::dvec2 kBankCard_m{0.08560, 0.05398};  ///< ISO/IEC 7810 ID-1
 inline constexpr double kBlindSpot_deg = 13.5;  ///< centre to fovea, temporal (Li et al. 2020)
+inline constexpr double kMinDistance_m = 0.1, kMaxDistance_m = 10.0;  ///< eye to screen
 inline constexpr double kEdidTolerance =
     0.05;  ///< a larger disagreement is reported; chosen by hand
 
@@ -44,10 +46,15 @@ BlindSpotDistance distanceByBlindSpot(std::span<const BlindSpotRun> runs);
 /// @throws InputError unless the distance lies within 0.1 to 10 m
 double distanceByFace_m(double face_px, double reference_px, double reference_m);
 
-/// Size of the visible area that the display states (VESA E-EDID: the first detailed timing in mm,
-/// else the centimetres of bytes 21 and 22); absent where it states none.
+struct EdidSize {
+  std::optional<glm::dvec2> size_m{};  ///< of the visible area; absent where it states none
+  std::string warning{};               ///< why the size is doubtful, or empty
+};
+
+/// Size that the display states (VESA E-EDID): the first detailed timing in mm, unless it is more
+/// than 1 cm off the centimetres of bytes 21 and 22.
 /// @throws InputError where the header or the checksum is wrong
-std::optional<glm::dvec2> edidSize_m(std::span<const unsigned char> edid);
+EdidSize edidSize(std::span<const unsigned char> edid);
 
 /// Largest relative difference of two sizes along an axis.
 double disagreement(const glm::dvec2& a, const glm::dvec2& b);

@@ -202,9 +202,11 @@ bool hasZerosOfOneAxis(const Positions& at, Doubts& doubts) {
                         " of the samples with gaze: if it means data loss, give gaze.missing = 0");
 }
 
-void stateScreen(const TraceHeader& header, Doubts& doubts) {
-  if (!hasMetricScreen(header)) return;
-  const Screen& screen = *header.screen;
+}  // namespace
+
+std::vector<std::string> screenDoubts(const Screen& screen) {
+  std::vector<std::string> sentences;
+  Doubts doubts(sentences);
   const glm::dvec2 pixel_m = screen.size_m / glm::dvec2(screen.size_px);
   const double ratio = pixel_m.x / pixel_m.y;
   doubts.add(ratio > kSquare || ratio < 1.0 / kSquare,
@@ -215,9 +217,8 @@ void stateScreen(const TraceHeader& header, Doubts& doubts) {
   doubts.add(deg < kMinScreen_deg || deg > kMaxScreen_deg,
              "the screen is " + significant(deg) +
                  " deg wide: are its metres right (screen.size_m, screen.distance_m)?");
+  return sentences;
 }
-
-}  // namespace
 
 std::string percent(double share) { return decimal(100.0 * share, 0) + " %"; }
 
@@ -385,7 +386,9 @@ void TraceDoubts::stateRepeats(Doubts& doubts) const {
 
 void TraceDoubts::state(const TraceColumns& columns, TraceHeader& header) const {
   Doubts doubts(header.warnings);
-  stateScreen(header, doubts);
+  if (hasMetricScreen(header)) {
+    for (const std::string& doubt : screenDoubts(*header.screen)) doubts.add(true, doubt);
+  }
   stateRows(doubts);
   const auto isBlink = [](const ColumnReading& column) { return column.meaning == "blink"; };
   doubts.add(longest_blink_s_ > kMaxBlink_s && std::ranges::any_of(header.columns, isBlink),

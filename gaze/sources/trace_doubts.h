@@ -72,6 +72,11 @@ class SpaceDoubts {
   Thinned<GazeSample> kept_{};
 };
 
+/// What looks wrong in a screen's geometry: pixels that are not square, or an impossible width. A
+/// sentence each.
+/// @param screen  with resolution, size and distance known
+std::vector<std::string> screenDoubts(const Screen& screen);
+
 /// "12 %"
 std::string percent(double share);
 

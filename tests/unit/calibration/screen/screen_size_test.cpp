@@ -57,10 +57,12 @@ TEST(FaceSize, HalfTheFaceIsTwiceAsFar) {
   EXPECT_THROW(distanceByFace_m(1.0, 200.0, 0.5), InputError);
 }
 
-std::array<unsigned char, 128> edidOf(int width_mm, int height_mm, bool detailed) {
+/// @param size_cm  absent: as the millimetres say
+std::array<unsigned char, 128> edidOf(int width_mm, int height_mm, bool detailed,
+                                      std::optional<glm::ivec2> size_cm = {}) {
   std::array<unsigned char, 128> edid{0, 255, 255, 255, 255, 255, 255, 0};
-  edid[21] = static_cast<unsigned char>(width_mm / 10);
-  edid[22] = static_cast<unsigned char>(height_mm / 10);
+  edid[21] = static_cast<unsigned char>(size_cm ? size_cm->x : width_mm / 10);
+  edid[22] = static_cast<unsigned char>(size_cm ? size_cm->y : height_mm / 10);
   if (detailed) {
     edid[54] = 1;
     edid[66] = static_cast<unsigned char>(width_mm & 255);
@@ -73,13 +75,26 @@ std::array<unsigned char, 128> edidOf(int width_mm, int height_mm, bool detailed
 }
 
 TEST(Edid, StatesTheSizeInMillimetresOrElseCentimetres) {
-  EXPECT_EQ(*edidSize_m(edidOf(531, 299, true)), glm::dvec2(0.531, 0.299));
-  EXPECT_EQ(*edidSize_m(edidOf(531, 299, false)), glm::dvec2(0.53, 0.29));
-  EXPECT_FALSE(edidSize_m(edidOf(0, 0, false)));
+  EXPECT_EQ(*edidSize(edidOf(531, 299, true)).size_m, glm::dvec2(0.531, 0.299));
+  EXPECT_EQ(*edidSize(edidOf(531, 299, false)).size_m, glm::dvec2(0.53, 0.29));
+  EXPECT_FALSE(edidSize(edidOf(0, 0, false)).size_m);
   auto broken = edidOf(531, 299, true);
   ++broken[30];
-  EXPECT_THROW(edidSize_m(broken), InputError);
-  EXPECT_THROW(edidSize_m(std::span(broken).first(100)), InputError);
+  EXPECT_THROW(edidSize(broken), InputError);
+  EXPECT_THROW(edidSize(std::span(broken).first(100)), InputError);
+}
+
+TEST(Edid, DoubtsADetailedTimingThatIsARatioOrInCentimetres) {
+  const glm::ivec2 size_cm(53, 30);
+  EXPECT_EQ(edidSize(edidOf(531, 299, true, size_cm)).warning, "");
+  for (const auto& timing_mm : {glm::ivec2(160, 90), glm::ivec2(53, 30), glm::ivec2(299, 531)}) {
+    const EdidSize size = edidSize(edidOf(timing_mm.x, timing_mm.y, true, size_cm));
+    EXPECT_EQ(*size.size_m, glm::dvec2(0.53, 0.3));
+    EXPECT_NE(size.warning.find("53 x 30 cm"), std::string::npos) << size.warning;
+  }
+  EXPECT_EQ(*edidSize(edidOf(531, 299, true, glm::ivec2(16, 9))).size_m, glm::dvec2(0.531, 0.299));
+  const std::string ratio = edidSize(edidOf(160, 90, true)).warning;
+  EXPECT_NE(ratio.find("16 x 9 cm"), std::string::npos) << ratio;
 }
 
 }  // namespace FOCI_FILE
