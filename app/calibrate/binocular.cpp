@@ -7,6 +7,7 @@
 
 #include "app/calibrate/options.h"
 #include "app/platform/output_files.h"
+#include "app/platform/warnings.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "calibration/binocular/binocular_map.h"
@@ -65,6 +66,7 @@ void calibrateBinocular(const CalibrateBinocularOptions& options) {
   } catch (const InputError& error) {
     throw InputError(options.pairs.string(), error.what());
   }
+  Warnings().add(options.pairs.string(), fit.warning);
   constexpr double kOneSigma = 0.6827;
   std::vector<double> fitted_deg = errorsOf_deg(fit.map, pairs);
   const BinocularCalibration calibration{.map = fit.map,

@@ -241,7 +241,7 @@ const std::vector<Key<Study>>& studyKeys() {
                     "diameter of the fixed pupil, mm; also until the recording states one",
                     {0.5, 12})),
       FOCI_KEY(observer.retina_mm, "lens to retina, mm", {10, 40}),
-      live(FOCI_KEY(observer.ipd_mm, "interpupillary distance, mm", {40, 80})),
+      live(FOCI_KEY(observer.ipd_mm, "interpupillary distance, mm", {kMinIpd_mm, kMaxIpd_mm})),
       live(FOCI_KEY(observer.sphere_D,
                     "sphere of the prescription of both eyes, D; below 0 short-sighted",
                     {-20, 20})),

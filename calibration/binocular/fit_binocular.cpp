@@ -11,7 +11,9 @@
 
 #include "base/input_error.h"
 #include "base/quantile.h"
+#include "base/text.h"
 #include "calibration/location.h"
+#include "calibration/screen/screen_size.h"
 #include "calibration/solve.h"
 #include "gaze/sources/rows.h"
 
@@ -147,6 +149,63 @@ std::vector<double> missesOf_rad(std::span<const BinocularSample> samples, doubl
   return misses;
 }
 
+constexpr const char* kConvert = ", convert the columns that end in _mm to mm";
+
+/// Eyes too near each other or too far apart are in another unit.
+void refuseOtherUnits(std::span<const BinocularSample> samples) {
+  std::vector<double> apart_mm;
+  for (const BinocularSample& sample : samples) {
+    const auto &left = sample.eyes[0], &right = sample.eyes[1];
+    if (left && right) apart_mm.push_back(1e3 * glm::distance(left->centre_m, right->centre_m));
+  }
+  if (apart_mm.empty()) return;
+  const double ipd_mm = quantile(apart_mm, 0.5);
+  if (ipd_mm >= kMinIpd_mm && ipd_mm <= kMaxIpd_mm) return;
+  throw InputError(kWhere, "left_origin_..._mm and right_origin_..._mm are " + significant(ipd_mm) +
+                               " mm apart: expected " + significant(kMinIpd_mm) + " to " +
+                               significant(kMaxIpd_mm) + kConvert);
+}
+
+/// Refuses an impossible distance, mirrored targets and exchanged eyes.
+/// @return what is unusual about the tracker's frame
+std::string judgeAxes(std::span<const BinocularSample> samples, const BinocularMap& map) {
+  const glm::dmat3 display_from_tracker = glm::transpose(map.rotation);
+  std::vector<double> in_front, to_right;  // m, of an eye; from the left eye to the right one
+  for (const BinocularSample& sample : samples) {
+    const auto &left = sample.eyes[0], &right = sample.eyes[1];
+    for (const auto& eye : sample.eyes) {
+      if (!eye) continue;
+      in_front.push_back((display_from_tracker * (eye->centre_m - map.translation_m)).z);
+    }
+    if (!left || !right) continue;
+    to_right.push_back((display_from_tracker * (right->centre_m - left->centre_m)).x);
+  }
+  const double distance_m = quantile(in_front, 0.5);
+  if (!(std::abs(distance_m) >= kMinDistance_m && std::abs(distance_m) <= kMaxDistance_m)) {
+    throw InputError(kWhere, "the eyes are " + significant(1e3 * std::abs(distance_m)) +
+                                 " mm from the display: expected " +
+                                 significant(1e3 * kMinDistance_m) + " to " +
+                                 significant(1e3 * kMaxDistance_m) + kConvert);
+  }
+  const bool faces_eyes = distance_m > 0.0, y_is_up = map.rotation[1].y > 0.0;
+  const auto refuseAxis = [](const std::string& axis, const std::string& to) {
+    throw InputError(kWhere, axis + "_target_mm runs against " + axis +
+                                 " of the tracker: expected both " + to +
+                                 ", change the sign of the one that is not");
+  };
+  if (map.rotation[0].x <= 0.0) refuseAxis("x", "to the right");
+  if (!y_is_up && !faces_eyes) refuseAxis("y", "up");
+  if (!to_right.empty() && quantile(to_right, 0.5) <= 0.0) {
+    throw InputError(kWhere,
+                     "the left eye is to the right of the right one: expected left_origin_x_mm "
+                     "below right_origin_x_mm, exchange the columns left_... and right_...");
+  }
+  if (y_is_up && faces_eyes) return "";
+  return "the tracker's z leads away from the observer" +
+         std::string(y_is_up ? "" : " and its y down") +
+         ": taken so, if y_target_mm runs up; expected x right, y up, z towards the observer";
+}
+
 /// Largest deviations of translation and kappa, from the covariance.
 void takeDeviations(ceres::Problem& problem, const Unknowns& found,
                     const std::array<std::size_t, 2>& seen, BinocularFit& fit) {
@@ -254,6 +313,7 @@ BinocularMap roughBinocularMap(std::span<const BinocularSample> samples) {
 
 BinocularFit fitBinocular(std::span<const BinocularSample> samples, const BinocularMap& nominal) {
   const std::array<std::size_t, 2> seen = countEyes(samples);
+  refuseOtherUnits(samples);
   Unknowns unknowns = startOf(nominal);
 
   // The loss needs the residual's scale, which only a fit tells: begin wide and repeat.
@@ -274,6 +334,7 @@ BinocularFit fitBinocular(std::span<const BinocularSample> samples, const Binocu
   }
 
   fit.map = mapOf(unknowns);
+  fit.warning = judgeAxes(samples, fit.map);
   BinocularMap uncorrected = fit.map;
   uncorrected.kappa_rad = {};
   fit.vergence_bias_before_D = medianVergenceError_D(samples, uncorrected, fit.map);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "calibration/binocular/binocular_map.h"
@@ -21,13 +22,15 @@ struct BinocularFit {
   double kappa_sd_deg = 0.0;            ///< largest of both eyes and axes
   double vergence_bias_before_D = 0.0;  ///< median of measured minus true vergence, without kappa
   double vergence_bias_after_D = 0.0;   ///< with kappa
+  std::string warning{};                ///< what was assumed of the tracker's frame, or empty
 };
 
 /// Bundle adjustment: Ceres minimises the angles between lines of sight and targets under Cauchy's
 /// loss, starting at `nominal`. From one head position, a rotation of the display cannot be told
 /// from a kappa common to both eyes. So the head must have moved nearer and to the side.
-/// @throws InputError with fewer than 20 samples or 3 targets, or where the samples do not separate
-///   pose from kappa (deviations above 20 mm or 1 deg)
+/// @throws InputError with fewer than 20 samples or 3 targets, where the samples do not separate
+///   pose from kappa (deviations above 20 mm or 1 deg), or where the eyes' distance, their order or
+///   the axes of the targets are impossible
 BinocularFit fitBinocular(std::span<const BinocularSample> samples, const BinocularMap& nominal);
 
 /// Reads `left_origin_x_mm left_origin_y_mm left_origin_z_mm left_direction_x left_direction_y

@@ -23,6 +23,9 @@ struct Screen {
   glm::dvec2 faced_m{0.0};
 };
 
+/// Interpupillary distances of people.
+inline constexpr double kMinIpd_mm = 40.0, kMaxIpd_mm = 80.0;
+
 /// Where the head is. Its frame is right-handed: x right, y up, looking along -z.
 struct HeadInWorld {
   glm::dvec3 position_m{0.0};                      ///< in the recording's world

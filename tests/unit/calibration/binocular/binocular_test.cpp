@@ -135,6 +135,60 @@ TEST(FitBinocular, RefusesAnEyeOnItsTarget) {
   }
 }
 
+std::string refusalOf(const std::vector<BinocularSample>& samples) {
+  try {
+    fitBinocular(samples, roughBinocularMap(samples));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
+  std::mt19937_64 random(8);
+  Tracker t = tracker();
+  t.head_m = 0.1;
+  // As Tobii's: z towards the observer.
+  t.truth.translation_m.z = -t.truth.translation_m.z;
+  t.truth.kappa_rad = {};
+  const auto good = record(t, 10, random);
+  EXPECT_EQ(refusalOf(good), "");
+  EXPECT_EQ(fitBinocular(good, roughBinocularMap(good)).warning, "");
+  const auto changed = [&](const auto& change) {
+    auto samples = good;
+    for (BinocularSample& sample : samples) change(sample);
+    return samples;
+  };
+  const auto says = [&](const char* word, const auto& change) {
+    const std::string refusal = refusalOf(changed(change));
+    EXPECT_NE(refusal.find(word), std::string::npos) << word << ": " << refusal;
+  };
+  says("y_target_mm", [](BinocularSample& s) { s.target_m.y = 0.3 - s.target_m.y; });
+  says("x_target_mm", [](BinocularSample& s) { s.target_m.x = -s.target_m.x; });
+  says("x_target_mm", [](BinocularSample& s) { s.target_m = -s.target_m; });
+  says("exchange", [](BinocularSample& s) { std::swap(s.eyes[0], s.eyes[1]); });
+  for (const double unit : {0.1, 0.001}) {
+    says("mm apart", [&](BinocularSample& s) {
+      s.target_m *= unit;
+      for (auto& eye : s.eyes) eye->centre_m *= unit;
+    });
+  }
+  says("mm from the display", [](BinocularSample& s) {
+    s.eyes[1].reset();
+    s.target_m *= 0.1;
+    s.eyes[0]->centre_m *= 0.1;
+  });
+  // Pupil Core's frame: it may be right, so it is named.
+  const auto turned = changed([](BinocularSample& s) {
+    for (auto& eye : s.eyes) {
+      eye->centre_m *= glm::dvec3(1.0, -1.0, -1.0);
+      eye->direction *= glm::dvec3(1.0, -1.0, -1.0);
+    }
+  });
+  const std::string warning = fitBinocular(turned, roughBinocularMap(turned)).warning;
+  EXPECT_NE(warning.find("its y down"), std::string::npos) << warning;
+}
+
 TEST(FitBinocular, OneEyeIsEnough) {
   std::mt19937_64 random(5);
   Tracker t = tracker();
