@@ -122,15 +122,15 @@ EdidSize edidSize(std::span<const unsigned char> edid) {
   if (byte(kTiming) != 0 || byte(kTiming + 1) != 0) {
     const int width_mm = byte(kTiming + 12) | (byte(kTiming + 14) & 0xF0) << 4;
     const int height_mm = byte(kTiming + 13) | (byte(kTiming + 14) & 0x0F) << 8;
-    if (width_mm == 0 || height_mm == 0) return size;
+    const bool stated = width_mm > 0 && height_mm > 0;
     const bool differs = std::abs(width_mm - 10 * width_cm) > kRounding_mm ||
                          std::abs(height_mm - 10 * height_cm) > kRounding_mm;
-    if (size.size_m && !mayBeRatio(size.size_m) && differs) {
+    if (stated && differs && size.size_m && !mayBeRatio(size.size_m)) {
       size.warning = printed(
           "its detailed timing states %d x %d mm, and its bytes 21 and 22 %d x %d cm: the latter "
           "are taken, a bank card is more certain",
           width_mm, height_mm, width_cm, height_cm);
-    } else {
+    } else if (stated) {
       size.size_m = glm::dvec2(width_mm, height_mm) / 1000.0;
     }
   }

@@ -93,8 +93,11 @@ TEST(Edid, DoubtsADetailedTimingThatIsARatioOrInCentimetres) {
     EXPECT_NE(size.warning.find("53 x 30 cm"), std::string::npos) << size.warning;
   }
   EXPECT_EQ(*edidSize(edidOf(531, 299, true, glm::ivec2(16, 9))).size_m, glm::dvec2(0.531, 0.299));
-  const std::string ratio = edidSize(edidOf(160, 90, true)).warning;
-  EXPECT_NE(ratio.find("16 x 9 cm"), std::string::npos) << ratio;
+  for (const int width_mm : {0, 160}) {
+    const EdidSize ratio = edidSize(edidOf(width_mm, 90, true, glm::ivec2(16, 9)));
+    EXPECT_EQ(*ratio.size_m, glm::dvec2(0.16, 0.09));
+    EXPECT_NE(ratio.warning.find("16 x 9 cm"), std::string::npos) << ratio.warning;
+  }
 }
 
 }  // namespace FOCI_FILE
