@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/calibrate/options.h"
+#include "app/calibrate/own_samples.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "base/input_error.h"
@@ -60,6 +61,7 @@ void calibrateBinocular(const CalibrateBinocularOptions& options) {
   const auto pairs = readBinocularPairs(options.pairs);
   std::vector<BinocularSample> others;
   if (!options.validate.empty()) others = readBinocularPairs(options.validate);
+  refuseOwnSamples(options.validate, pairs, others);
   BinocularFit fit;
   try {
     fit = fitBinocular(pairs, roughBinocularMap(pairs));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "app/calibrate/options.h"
+#include "app/calibrate/own_samples.h"
 #include "app/calibrate/windows.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
@@ -20,7 +21,7 @@ namespace foci {
 namespace {
 
 GazeFrame frameOf(const CalibrateGazeOptions& options, Warnings& warnings) {
-  const auto units = mapUnitsNamed(options.units);
+  const auto units = mapUnitsNamed(options.units.empty() ? "deg" : options.units);
   if (!units) {
     throw InputError("--units", options.units + ": expected deg, norm or direction");
   }
@@ -35,11 +36,31 @@ GazeFrame frameOf(const CalibrateGazeOptions& options, Warnings& warnings) {
   return frame;
 }
 
+/// Degrees are assumed, unless stated: fractions of the screen and radians are far smaller.
+/// @param position  of a target, deg
+template <class Target>
+void refuseOtherUnits(const CalibrateGazeOptions& options, const std::vector<Target>& targets,
+                      glm::dvec2 Target::*position) {
+  constexpr double kSmall_deg = 1.5;  // a screen that ends here is 3 cm wide at 0.6 m
+  if (!options.units.empty() || std::ranges::any_of(targets, [&](const Target& target) {
+        const glm::dvec2 at = glm::abs(target.*position);
+        return std::max(at.x, at.y) > kSmall_deg;
+      })) {
+    return;
+  }
+  throw InputError(options.pairs.string(),
+                   "all x_target and y_target lie within " + decimal(kSmall_deg, 1) +
+                       " deg: state their unit with --units deg, norm or direction, and convert "
+                       "radians to degrees");
+}
+
 GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame,
                      std::optional<GazeModel> model) {
   const auto pairs = readGazePairs(options.pairs, frame.units);
+  refuseOtherUnits(options, pairs, &GazePair::target);
   std::vector<GazePair> other;
   if (!options.validate.empty()) other = readGazePairs(options.validate, frame.units);
+  refuseOwnSamples(options.validate, pairs, other);
   GazeReport report;
   try {
     report.fit = fitGazeMap(pairs, frame, model);
@@ -86,8 +107,10 @@ std::optional<Lens> cameraOf(const CalibrateGazeOptions& options) {
 GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& place,
                      const Screen& screen, WebcamCalibration& calibration, Warnings& warnings) {
   const auto targets = readShownTargets(options.pairs);
+  refuseOtherUnits(options, targets, &ShownTarget::target_deg);
   std::vector<ShownTarget> others;
   if (!options.validate.empty()) others = readShownTargets(options.validate);
+  refuseOwnSamples(options.validate, targets, others);
   WebcamTracker tracker(cameraOf(options));
   const WebcamRecording recording = readWebcam(place, tracker);
   const auto reference = tracker.reference();
@@ -99,6 +122,13 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
                          pairFrames(recording.frames, others), screen, calibration.map);
 }
 
+/// @param who  needs degrees
+void refuseUnits(const CalibrateGazeOptions& options, const std::string& who) {
+  if (!options.units.empty() && options.units != "deg") {
+    throw InputError("--units", who + " needs deg");
+  }
+}
+
 void refuseWindowOptions(const CalibrateGazeOptions& options) {
   if (options.source != "mouse" && !webcamPlaceOf(options.source)) {
     throw InputError("--source",
@@ -108,7 +138,7 @@ void refuseWindowOptions(const CalibrateGazeOptions& options) {
   if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
     throw InputError("--targets", std::to_string(options.targets) + ": expected 5, 9, 13 or 16");
   }
-  if (options.units != "deg") throw InputError("--units", "the window needs deg");
+  refuseUnits(options, "the window");
 }
 
 /// The file of the report; empty if there is none.
@@ -148,7 +178,7 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
   const auto webcam = webcamPlaceOf(options.source);
   WebcamCalibration calibration;
   if (webcam && !options.pairs.empty()) {
-    if (options.units != "deg") throw InputError("--units", "a webcam needs deg");
+    refuseUnits(options, "a webcam");
     report = fromVideo(options, *webcam, frame.screen, calibration, warnings);
   } else if (options.pairs.empty()) {
     if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");

@@ -21,7 +21,8 @@ struct CalibrateScreenOptions {
 struct CalibrateGazeOptions {
   bool json = false, overwrite = false;
   std::filesystem::path pairs, validate, drift, out, report, screen, camera;
-  std::string units = "deg", model = "auto";
+  std::string units;  ///< empty: deg
+  std::string model = "auto";
   std::string source = "mouse";
   int targets = 9;
   unsigned seed = 1;

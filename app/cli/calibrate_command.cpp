@@ -64,6 +64,10 @@ void addGaze(CLI::App& calibrate) {
   addOption(*gaze, "--seed", o.seed, "N", "seed for the order of the targets");
   gaze->add_flag("--window", o.window, "a window instead of the full screen");
   gaze->add_flag("--manual", o.manual, "each target waits for the space key");
+  for (const char* other : {"--validate", "--units", "--model", "--screen", "--report", "--source",
+                            "--camera", "--targets", "--seed", "--window", "--manual"}) {
+    gaze->get_option("--drift")->excludes(gaze->get_option(other));
+  }
   addOverwriteFlag(*gaze, o.overwrite);
   gaze->add_flag("--json", o.json, "print the summary as JSON");
   onceParsed(*gaze, [=] { calibrateGaze(*options); });

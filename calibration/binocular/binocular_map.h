@@ -20,9 +20,11 @@ struct BinocularSample {
   struct Eye {
     glm::dvec3 centre_m{0.0};
     glm::dvec3 direction{0.0, 0.0, 1.0};  ///< of any length above 0
+    bool operator==(const Eye&) const = default;
   };
   std::array<std::optional<Eye>, 2> eyes{};  ///< left, right
   glm::dvec2 target_m{0.0};                  ///< on the display, from its centre, x right, y up
+  bool operator==(const BinocularSample&) const = default;
 };
 
 struct BinocularMap {

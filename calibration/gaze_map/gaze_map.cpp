@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/input_error.h"
+#include "base/quantile.h"
 #include "calibration/calibration_file.h"
 #include "calibration/location.h"
 
@@ -14,6 +15,9 @@ constexpr std::array<std::string_view, 4> kNames{"offset", "affine", "second", "
 constexpr std::array<std::size_t, 4> kTerms{1, 3, 6, 10};
 constexpr std::size_t kMinDriftSamples = 5;
 constexpr double kMaxDrift_deg = 5.0;  // chosen by hand; a larger drift needs a new calibration
+/// Two thirds of the samples lie nearer to their centre, or within this multiple of the deviation
+/// at calibration; chosen by hand.
+constexpr double kMaxScatter_deg = 1.0, kMaxScatter_sd = 3.0;
 
 /// Derivatives of the terms along x and y.
 std::array<glm::dvec2, kMaxTerms> slopes(const glm::dvec2& u) {
@@ -82,6 +86,17 @@ GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
   std::vector<glm::dvec2> mapped;
   for (const glm::dvec2& sample : gaze) mapped.push_back(estimateGaze(map, sample).point);
   const glm::dvec2 seen = robustLocation(mapped).centre;
+  std::vector<double> apart_deg;
+  for (const glm::dvec2& point : mapped) {
+    apart_deg.push_back(angle_deg(onPlane(map.frame, point), onPlane(map.frame, seen)));
+  }
+  const double scatter_deg = quantile(apart_deg, 2.0 / 3.0);
+  const double max_deg = std::max(kMaxScatter_deg, kMaxScatter_sd * map.sample_sd_deg);
+  if (!(scatter_deg <= max_deg)) {
+    throw InputError("drift correction", "a third of the samples lie " + decimal(scatter_deg, 1) +
+                                             " deg or more from their centre: expected at most " +
+                                             decimal(max_deg, 1) + ", look at the target only");
+  }
   const double drift_deg = angle_deg(onPlane(map.frame, seen), onPlane(map.frame, target));
   if (!(drift_deg <= kMaxDrift_deg)) {
     throw InputError("drift correction", decimal(drift_deg, 1) + " deg: expected at most " +

@@ -62,7 +62,8 @@ struct GazeEstimate {
 GazeEstimate estimateGaze(const GazeMap& map, const glm::dvec2& gaze);
 
 /// The map, moved so that `gaze`, measured while the observer looked at `target`, falls on it.
-/// @throws InputError with fewer than 5 samples, or a drift above 5 deg (calibrate again)
+/// @throws InputError with fewer than 5 samples, samples far apart, or a drift above 5 deg
+///   (calibrate again)
 GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
                      const glm::dvec2& target);
 

@@ -48,6 +48,7 @@ struct GazePair {
   glm::dvec2 target{0.0};            ///< in the calibration's units
   std::optional<double> time_s{};
   double weight = 1.0;  ///< >= 0
+  bool operator==(const GazePair&) const = default;
 };
 
 /// Reads `x y x_target y_target [time_s] [weight]`. A header row names the columns, in any order;

@@ -29,6 +29,7 @@ struct WebcamCalibration {
 struct ShownTarget {
   double onset_s = 0.0, duration_s = 0.0;
   glm::dvec2 target_deg{0.0};
+  bool operator==(const ShownTarget&) const = default;
 };
 
 /// Reads `onset_s duration_s x_target y_target`, degrees from the screen's centre. A header row

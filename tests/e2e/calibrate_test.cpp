@@ -106,13 +106,42 @@ TEST(CalibrateGaze, DriftMovesTheMap) {
       {"calibrate", "gaze", "--drift", "map.toml", "--pairs", "fit.tsv", "--out", "made.toml"},
       folder);
   EXPECT_NE(two.err.find("more than one target"), std::string::npos);
+  const Outcome units = refusedWithoutATrace({"calibrate", "gaze", "--drift", "map.toml", "--pairs",
+                                              "one.txt", "--units", "norm", "--out", "made.toml"},
+                                             folder);
+  EXPECT_NE(units.err.find("--drift excludes --units"), std::string::npos) << units.err;
+}
+
+TEST(CalibrateGaze, RefusesSmallTargetsOfNoStatedUnitAndTheFitsOwnSamples) {
+  const TemporaryFolder folder;
+  std::string norm = "x y x_target y_target\n";
+  for (int i = 0; i < 9; ++i) {
+    const std::string target =
+        std::to_string(0.1 + 0.4 * (i % 3)) + " " + std::to_string(0.1 + 0.4 * (i / 3));
+    norm += target + " " + target + "\n";
+  }
+  folder.write("norm.txt", norm);
+  folder.write("fit.tsv", pairsFile(20, 0.1));
+  folder.write("copy.tsv", pairsFile(20, 0.1));
+  const std::vector<std::string> gaze{"calibrate", "gaze", "--out", "made.toml", "--pairs"};
+  const auto with = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), gaze.begin(), gaze.end());
+    return options;
+  };
+  EXPECT_NE(refusedWithoutATrace(with({"norm.txt"}), folder).err.find("--units"),
+            std::string::npos);
+  for (const std::string file : {"fit.tsv", "copy.tsv"}) {
+    const Outcome own = refusedWithoutATrace(with({"fit.tsv", "--validate", file}), folder);
+    EXPECT_NE(own.err.find("--validate " + file), std::string::npos) << own.err;
+  }
+  EXPECT_EQ(runFoci(with({"norm.txt", "--units", "deg"}), folder.path()).exit_code, 0);
 }
 
 TEST(CalibrateGaze, RefusesInOneLine) {
   const TemporaryFolder folder;
   folder.write("good.tsv", pairsFile(5, 0.1));
   folder.write("line.tsv", "x y x_target y_target\n0 0 0 0\n1 1 1 1\n2 2 2 2\n3 3 3 3\n");
-  folder.write("two.tsv", "x y x_target y_target\n0 0 0 0\n1 1 1 1\n0 0 0 0\n1 1 1 1\n");
+  folder.write("two.tsv", "x y x_target y_target\n0 0 0 0\n2 2 2 2\n0 0 0 0\n2 2 2 2\n");
   folder.write("broken.tsv", "x y x_target y_target\n0 0 0 zero\n");
   const auto says = [&](const std::vector<std::string>& options) {
     std::vector<std::string> arguments{"calibrate", "gaze", "--out", "made.toml"};
@@ -211,6 +240,10 @@ TEST(CalibrateBinocular, FindsTheDisplayAndLeadsReplayToTheTarget) {
   const Json summary = Json::parse(outcome.out);
   EXPECT_LT(summary["accuracy_deg"].get<double>(), 0.01);
   EXPECT_NEAR(summary["position_mm"][1].get<double>(), 150.0, 0.1);
+  const Outcome own = refusedWithoutATrace({"calibrate", "binocular", "--pairs", "pairs.tsv",
+                                            "--validate", "pairs.tsv", "--out", "made.toml"},
+                                           folder);
+  EXPECT_NE(own.err.find("the samples of the fit"), std::string::npos) << own.err;
 
   // 80 mm to the right and 60 mm up on a display of 400 x 300 mm.
   std::string trace = "time_s\t" + header + "note\n";
@@ -272,6 +305,32 @@ TEST(CalibrateScreen, HeadlessFromCardAndBlindSpot) {
     ASSERT_EQ(again.exit_code, 0) << again.err;
     EXPECT_NEAR(Json::parse(again.out)["distance_m"].get<double>(), summary["distance_m"], 1e-12);
   }
+}
+
+TEST(CalibrateScreen, DoubtsOblongPixels) {
+  const TemporaryFolder folder;
+  const auto warningOf = [&](const std::string& size_px) {
+    return runFoci({"calibrate", "screen", "--headless", "--size-px", size_px, "--size-m",
+                    "0.531x0.299", "--distance-m", "0.6"},
+                   folder.path())
+        .err;
+  };
+  EXPECT_EQ(warningOf("1920x1080"), "");
+  EXPECT_NE(warningOf("1080x1920").find("times as wide as high"), std::string::npos);
+}
+
+TEST(RenderedScreen, DoubtsOblongPixels) {
+  const TemporaryFolder folder;
+  folder.write("study.toml", smallStudy());
+  folder.write("scene.ply", squarePly(8, 1.0));
+  folder.write("trace.tsv", steadyTrace());
+  const auto warningOf = [&](const std::string& size_m) {
+    return runFoci({"render", "study.toml", "--set", "screen.size_m=" + size_m, "--out", "a.png"},
+                   folder.path())
+        .err;
+  };
+  EXPECT_EQ(warningOf("[0.4, 0.3]").find("times as wide as high"), std::string::npos);
+  EXPECT_NE(warningOf("[0.3, 0.4]").find("times as wide as high"), std::string::npos);
 }
 
 TEST(CalibrateScreen, RefusesInOneLine) {

@@ -100,7 +100,7 @@ TEST_F(HostileInputs, APipeIsNoInput) {
   for (const char* part : {"gaze", "binocular"}) {
     expectRefused({"calibrate", part, "--pairs", "p.tsv"}, "p.tsv", says);
   }
-  write("fit.tsv", "onset_s duration_s x_target y_target\n0 1 0 0\n");
+  write("fit.tsv", "onset_s duration_s x_target y_target\n0 1 3 0\n");
   for (const char* film : {"webcam:p.mp4", "webcam:eye%02d.png"}) {
     expectRefused({"calibrate", "gaze", "--source", film, "--pairs", "fit.tsv"},
                   film[7] == 'p' ? "p.mp4" : "eye01.png", says);
@@ -127,7 +127,7 @@ TEST_F(HostileInputs, APipeIsNoMaterialTextureOrBuffer) {
 
 TEST_F(HostileInputs, ANameNoFileCanHaveIsRefused) {
   const std::string name(300, 'a');
-  write("fit.tsv", "onset_s duration_s x_target y_target\n0 1 0 0\n");
+  write("fit.tsv", "onset_s duration_s x_target y_target\n0 1 3 0\n");
   for (const std::string ending : {".ply", ".obj", ".glb", ".foci"}) {
     expectRefused({"prepare", name + ending, "--out", "a.foci"}, name, "");
   }

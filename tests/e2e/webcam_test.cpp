@@ -230,7 +230,7 @@ TEST(Webcam, DISABLED_DegreesOfHardFaces) {
 
 TEST(Webcam, RefusesInOneLine) {
   const TemporaryFolder folder;
-  folder.write("fit.tsv", "onset_s duration_s x_target y_target\n0 1 0 0\n");
+  folder.write("fit.tsv", "onset_s duration_s x_target y_target\n0 1 3 0\n");
   folder.write("broken.tsv", "onset_s duration_s x_target y_target\n0 1 0 left\n");
   folder.write("text.mp4", "no video");
   folder.write("scene.ply", squarePly(8, 1.0));

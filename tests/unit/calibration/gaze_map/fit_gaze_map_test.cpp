@@ -320,5 +320,22 @@ TEST(DriftCorrection, MovesTheMapOntoTheTargetAndRefusesALargeOne) {
   EXPECT_THROW(correctDrift(map, std::span(drifted).first(4), {0.0, 0.0}), InputError);
 }
 
+TEST(DriftCorrection, RefusesSamplesFarApart) {
+  std::mt19937_64 random(14);
+  SimulatedUser user;
+  user.noise_deg = 0.2;
+  const GazeMap map = fitGazeMap(recordUser(user, targetGrid(3, 12.0), 10, random), kDegrees).map;
+  std::vector<glm::dvec2> gaze;
+  for (const GazePair& pair : recordUser(user, {{0.0, 0.0}}, 100, random)) {
+    gaze.push_back(*pair.gaze);
+  }
+  EXPECT_NO_THROW(correctDrift(map, gaze, {0.0, 0.0}));
+  for (const std::size_t elsewhere : {50u, 60u}) {
+    auto both = gaze;
+    for (std::size_t i = 0; i < elsewhere; ++i) both[i] += user.tracked({4.0, 0.0});
+    EXPECT_THROW(correctDrift(map, both, {0.0, 0.0}), InputError) << elsewhere;
+  }
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
