@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "base/input_error.h"
@@ -11,10 +12,18 @@
 namespace foci {
 namespace FOCI_FILE {
 
-std::string rows(int from_nm, int to_nm, const std::string& separator = ",") {
+/// Red has 1 at long wavelengths, green 0.5 everywhere, and blue 2 at short ones; else 0.25.
+std::string rows(int from_nm, int to_nm, const std::string& separator = ",",
+                 const std::string& order = "rgb") {
   std::string text;
   for (int nm = from_nm; nm <= to_nm; nm += 20) {
-    text += std::to_string(nm) + separator + "1" + separator + "0.5" + separator + "2\n";
+    text += std::to_string(nm);
+    for (const char colour : order) {
+      const bool lit = colour == 'r' ? nm > 600 : colour == 'b' && nm < 500;
+      const char* const power = colour == 'g' ? "0.5" : !lit ? "0.25" : colour == 'r' ? "1" : "2";
+      text += separator + power;
+    }
+    text += "\n";
   }
   return text;
 }
@@ -36,13 +45,39 @@ std::string refusal(const std::string& text) {
 
 TEST(SpectraFile, ReadsTheUsualSeparatorsAndAHeading) {
   for (const std::string separator : {",", ";", "\t", "  "}) {
-    for (const std::string heading : {"", "# made up\nwavelength_nm,red,green,blue\n"}) {
+    const std::string names =
+        "wavelength_nm" + separator + "red" + separator + "green" + separator + "blue\n";
+    for (const std::string& heading : {std::string(), "# made up\n" + names}) {
       const std::vector<SpectrumSample> spectra = read(heading + rows(400, 700, separator));
       ASSERT_EQ(spectra.size(), 16u);
       EXPECT_EQ(spectra.front().wavelength_nm, 400.0);
-      EXPECT_EQ(spectra.back().red_green_blue, glm::dvec3(1.0, 0.5, 2.0));
+      EXPECT_EQ(spectra.back().red_green_blue, glm::dvec3(1.0, 0.5, 0.25));
     }
   }
+}
+
+TEST(SpectraFile, TheHeadingNamesTheColours) {
+  const auto expectColours = [](const std::string& text) {
+    const std::vector<SpectrumSample> spectra = read(text);
+    EXPECT_EQ(spectra.front().red_green_blue, glm::dvec3(0.25, 0.5, 2.0)) << text;
+    EXPECT_EQ(spectra.back().red_green_blue, glm::dvec3(1.0, 0.5, 0.25)) << text;
+  };
+  expectColours("nm,blue,green,red\n" + rows(400, 700, ",", "bgr"));
+  expectColours("Lambda (nm);B (W);R (W);G (W)\n" + rows(400, 700, ";", "brg"));
+  expectColours("nm,white,red,green,blue\n" + rows(400, 700, ",", "grgb"));
+  expectColours("made by hand\nnm r_W g_W b_W\n" + rows(400, 700, " "));
+  std::string decimal_comma = "nm;red;green;blue\n" + rows(400, 700, ";");
+  std::ranges::replace(decimal_comma, '.', ',');
+  expectColours(decimal_comma);
+  for (const char* heading : {"nm,x,y,z", "nm,red,green", "nm,red,red,green,blue", "red,nm,g,b"}) {
+    EXPECT_EQ(refusal(heading + ("\n" + rows(400, 700))),
+              "spectra.csv:2: the heading above: expected wavelength_nm first, and red, green and "
+              "blue")
+        << heading;
+  }
+  EXPECT_EQ(refusal(rows(400, 700, ",", "bgr")),
+            "spectra.csv: no heading, and the columns are not red, green, blue by their mean "
+            "wavelengths: expected a heading such as wavelength_nm,red,green,blue");
 }
 
 TEST(SpectraFile, RefusesWhatCanBeMisread) {
