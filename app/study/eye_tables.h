@@ -21,8 +21,8 @@ struct MeasuredEyes {
 /// name (`term`, `mode`), and the value (`um`, `nm`, `value`, `coefficient`, of the eye in the
 /// column `eye` or of both; or `right` or `OD` and `left` or `OS`); or one row an eye, with a
 /// column for each term (Z3, Z(2,-2), Z2-2) and the columns `eye` and `pupil_mm`. A row of two
-/// cells may give the pupil: `pupil_mm, 6`. Values are micrometres unless a heading says nm. Terms
-/// that are absent are 0.
+/// cells may give the pupil, `pupil_mm, 6`, or the unit, `unit, nm`. Values are micrometres unless
+/// a heading, a column `unit`, such a row or a comment says nm. Terms that are absent are 0.
 /// @param pupil_mm  diameter that the coefficients hold for, where the file names none
 /// @throws InputError naming file and line
 MeasuredEyes readWavefronts(const std::filesystem::path& file, std::optional<double> pupil_mm);
@@ -36,8 +36,9 @@ MeasuredEyes readWavefronts(const std::filesystem::path& file, std::optional<dou
 FieldAberrations readFieldAberrations(const std::filesystem::path& file);
 
 /// Reads the spectra of a display's primaries: a table with the columns wavelength (nm), red, green
-/// and blue, in this order, separated by commas, semicolons, tabs or blanks; a heading and lines
-/// that begin with # are allowed. Powers have any unit, the same for all.
+/// and blue, separated by commas, semicolons, tabs or blanks, and with a decimal comma beside
+/// semicolons and tabs. A heading (red or r, ...) gives the order of the colours; lines that begin
+/// with # are allowed. Powers have any unit, the same for all.
 /// @throws InputError naming file and line
 std::vector<SpectrumSample> readSpectra(const std::filesystem::path& file);
 

@@ -76,6 +76,14 @@ std::optional<std::string> otherOrderIn(const std::string& line, char separator)
   return alone || std::regex_search(line, about) ? std::optional(std::move(other)) : std::nullopt;
 }
 
+/// Whether a comment is about the coefficients. Its unit is then theirs.
+bool isAboutValues(const std::string& comment) {
+  static const std::regex about(
+      "(^|[^a-z])(units?|values?|coeff[a-z]*|zernikes?|wavefronts?|aberrations?|errors?)([^a-z]|$"
+      ")");
+  return comment.size() <= 1000 && std::regex_search(comment, about);
+}
+
 /// The table, while it is read.
 class WavefrontTable {
  public:
@@ -84,13 +92,9 @@ class WavefrontTable {
 
   MeasuredEyes read() {
     readRows();
-    takePupil();
+    takeStatements();
     if (rows_.empty()) fail(0, "no coefficients: expected a table of Zernike coefficients");
-    static const std::regex signed_name("[ZzCc]\\d+[+-]\\d+");
-    signed_names_ = std::ranges::any_of(rows_, [](const Row& row) {
-      return std::ranges::any_of(
-          row.cells, [](const std::string& cell) { return std::regex_match(cell, signed_name); });
-    });
+    noteNames();
     const Row& head = rows_.front();
     const auto terms =
         std::ranges::count_if(head.cells, [&](const auto& cell) { return isNamed(cell); });
@@ -106,6 +110,10 @@ class WavefrontTable {
  private:
   [[noreturn]] void fail(int line, const std::string& what) const {
     throw InputError(line > 0 ? file_ + ":" + std::to_string(line) : file_, what);
+  }
+
+  [[noreturn]] void failTwice(const Row& row, int term) const {
+    fail(row.line, "term " + std::to_string(term) + " a second time: expected each term once");
   }
 
   void readRows() {
@@ -133,9 +141,12 @@ class WavefrontTable {
       }
       std::string_view content = trimmed(lines[i]);
       if (content.starts_with('#')) {
-        // A comment may hold the pupil.
+        // A comment may hold the pupil, or the coefficients' unit.
         content = trimmed(content.substr(1));
-        if (!lowered(content).starts_with("pupil")) continue;
+        if (!lowered(content).starts_with("pupil")) {
+          if (isAboutValues(lowered(content))) takeUnit(line, std::string(content), unit_);
+          continue;
+        }
       }
       if (content.empty()) continue;
       rows_.push_back({line, cellsOf(content, separator)});
@@ -152,10 +163,13 @@ class WavefrontTable {
     }
   }
 
+  std::optional<double> numberIn(std::string cell) const {
+    if (decimal_comma_) std::ranges::replace(cell, ',', '.');
+    return parseNumber(cell);
+  }
+
   double number(const Row& row, const std::string& cell, const std::string& what) const {
-    std::string text = cell;
-    if (decimal_comma_) std::ranges::replace(text, ',', '.');
-    const auto value = parseNumber(text);
+    const auto value = numberIn(cell);
     if (!value) fail(row.line, what + " = " + shown(cell) + ": expected a number");
     return *value;
   }
@@ -181,24 +195,35 @@ class WavefrontTable {
            text.starts_with("analysis diameter") || text.starts_with("zone");
   }
 
-  /// Takes rows such as `pupil_mm, 6` out of the table.
-  void takePupil() {
+  /// Takes rows such as `pupil_mm, 6`, `unit, nm` and `wavelength_nm, 555` out of the table.
+  void takeStatements() {
     std::optional<double> named;
     std::erase_if(rows_, [&](const Row& row) {
       std::vector<std::string> cells = row.cells;
-      if (!namesPupil(cells[0])) return false;
+      const std::string name = lowered(cells[0]);
+      const bool unit = name.starts_with("unit");
+      const bool wavelength = name.starts_with("wavelength") || name.starts_with("lambda");
+      if (!namesPupil(cells[0]) && !unit && !wavelength) return false;
       if (cells.size() == 1) {
         // "pupil_mm = 6" or "Pupil diameter: 6 mm"
         const std::size_t at = cells[0].find_first_of("=:");
         if (at == cells[0].npos) return false;
         cells.emplace_back(trimmed(std::string_view(cells[0]).substr(at + 1)));
       }
+      if (unit && cells.size() == 2 && !isNamed(cells[1])) {
+        takeUnitCell(row, cells[1], unit_);
+        return true;
+      }
       if (cells.size() > 3 || isNamed(cells[1]) || cells[1].empty() ||
           std::isdigit(static_cast<unsigned char>(cells[1][0])) == 0) {
         return false;
       }
+      if (wavelength) {
+        wavelength_line_ = row.line;
+        return true;
+      }
       if (cells.size() == 3 && lowered(cells[2]) == "mm") cells.pop_back();
-      if (cells.size() != 2) return false;
+      if (cells.size() != 2 || unit) return false;
       const double mm = pupilOf(row, cells[0], cells[1]);
       if (named && *named != mm) fail(row.line, "a second pupil: expected one for the table");
       named = mm;
@@ -207,21 +232,50 @@ class WavefrontTable {
     if (named) pupil_mm_ = named;
   }
 
+  /// Finds out whether names such as Z40 are a single index, or n and m.
+  void noteNames() {
+    static const std::regex signed_name("[ZzCc]\\d+[+-]\\d+"), single("[ZzCc]_?\\d+");
+    static const std::regex pair("[ZzCc]_?(\\d)(\\d)");
+    std::string ambiguous;
+    int line = 0;
+    bool all_are = true;
+    for (const Row& row : rows_) {
+      for (const std::string& cell : row.cells) {
+        const std::string name = withoutUnit(cell);
+        signed_names_ |= std::regex_match(name, signed_name);
+        if (!std::regex_match(name, single)) continue;
+        std::smatch parts;
+        all_are &= std::regex_match(name, parts, pair) && indexOfPair(parts[1], parts[2]);
+        if (line > 0) continue;
+        line = row.line;
+        ambiguous = name;
+      }
+    }
+    if (line > 0 && all_are && !signed_names_) {
+      fail(line, shown(ambiguous) +
+                     ": an index, or n and m? expected names such as Z2_0 for n = 2 and m = 0, or "
+                     "the columns j and um for an index");
+    }
+  }
+
+  static std::optional<int> indexOfPair(const std::string& n, const std::string& m) {
+    const int order = std::stoi(n), frequency = std::stoi(m);
+    if (std::abs(frequency) > order || (order - frequency) % 2 != 0) return std::nullopt;
+    return zernikeIndex({.n = order, .m = frequency});
+  }
+
   /// The single index of a term's name: Z5, Z(2,-2), Z2-2, C_4.
   std::optional<int> indexOf(const std::string& cell) const {
     std::smatch parts;
-    const auto index = [](const std::string& n, const std::string& m) -> std::optional<int> {
-      const int order = std::stoi(n), frequency = std::stoi(m);
-      if (std::abs(frequency) > order || (order - frequency) % 2 != 0) return std::nullopt;
-      return zernikeIndex({.n = order, .m = frequency});
-    };
+    if (numberIn(cell)) return std::nullopt;  // 6,0 beside semicolons
     static const std::regex pair(
         "[ZzCc]?_?\\(?\\s*(\\d{1,2})\\s*[, _^]\\s*([+-]?\\d{1,2})\\s*\\)?");
     static const std::regex joined("[ZzCc](\\d{1,2})([+-]\\d{1,2})"), digits("[ZzCc](\\d)(\\d)");
     static const std::regex single("[ZzCc]_?\\[?(\\d{1,2})\\]?");
-    if (std::regex_match(cell, parts, pair)) return index(parts[1], parts[2]);
-    if (std::regex_match(cell, parts, joined)) return index(parts[1], parts[2]);
-    if (signed_names_ && std::regex_match(cell, parts, digits)) return index(parts[1], parts[2]);
+    if (std::regex_match(cell, parts, pair)) return indexOfPair(parts[1], parts[2]);
+    if (std::regex_match(cell, parts, joined)) return indexOfPair(parts[1], parts[2]);
+    if (signed_names_ && std::regex_match(cell, parts, digits))
+      return indexOfPair(parts[1], parts[2]);
     if (std::regex_match(cell, parts, single)) return std::stoi(parts[1]);
     return std::nullopt;
   }
@@ -229,18 +283,52 @@ class WavefrontTable {
     static const std::regex unit("\\s*[\\[(_ ]*(um|µm|μm|nm|microns?)[\\])]*$");
     return std::regex_replace(cell, unit, "");
   }
-  bool isNamed(const std::string& cell) const {
-    return !parseNumber(cell) && indexOf(withoutUnit(cell)).has_value();
+  bool isNamed(const std::string& cell) const { return indexOf(withoutUnit(cell)).has_value(); }
+
+  /// Micrometres in the unit of coefficients that a text names; nothing where it names none.
+  std::optional<double> unitIn(int line, const std::string& words) const {
+    // "at 555 nm", "lambda = 555", "for a pupil of 6 mm"
+    static const std::regex other(
+        "\\d{3,}(\\.\\d+)?[ _]*nm|(lambda|λ)[ =:]*\\d[\\d.]*|(pupil|diameter|radius)[^,;.]*mm|"
+        "\\d *mm");
+    static const std::regex waves("(^|[^a-z])(waves?(?![ -]*(aberr|front))|lambdas?)([^a-z]|$)|λ");
+    static const std::regex um("(^|[^a-z])(um|µm|μm|microns?|microm.*)([^a-z]|$)");
+    static const std::regex nm("(^|[^a-z])(nm|nanom.*)([^a-z]|$)"), mm("(^|[^a-z])mm([^a-z]|$)");
+    const std::string text = std::regex_replace(lowered(words), other, "");
+    if (std::regex_search(text, waves)) {
+      fail(line, shown(words) + ": expected micrometres, not waves");
+    }
+    if (std::regex_search(text, um)) return 1.0;
+    if (std::regex_search(text, nm)) return 1e-3;
+    if (std::regex_search(text, mm)) fail(line, shown(words) + ": expected um or nm, not mm");
+    return std::nullopt;
   }
 
-  /// Micrometres of one of the unit that a heading names.
-  double unitOf(const Row& row, const std::string& heading) const {
-    const std::string text = lowered(heading);
-    if (text.find("wave") != text.npos || text.find("lambda") != text.npos) {
-      fail(row.line, shown(heading) + ": expected micrometres, not waves");
+  /// Takes the unit that a text names, if any; every text must name the same.
+  void takeUnit(int line, const std::string& text, std::optional<double>& unit) const {
+    const auto named = unitIn(line, text);
+    if (named && unit && *named != *unit) {
+      fail(line, shown(text) + ": a second unit: expected one for each coefficient");
     }
-    static const std::regex nanometres("(^|[^a-z])nm($|[^a-z])");
-    return std::regex_search(text, nanometres) ? 1e-3 : 1.0;
+    if (named) unit = named;
+  }
+  void takeUnitCell(const Row& row, const std::string& cell, std::optional<double>& unit) const {
+    if (!unitIn(row.line, cell)) fail(row.line, "unit = " + shown(cell) + ": expected um or nm");
+    takeUnit(row.line, cell, unit);
+  }
+
+  /// Micrometres of one of the unit that a heading, a cell of the row or a comment names.
+  double unitOf(const Row& head, int column, const Row& row, int unit_column) const {
+    std::optional<double> unit = unit_;
+    if (column >= 0) takeUnit(head.line, head.cells[static_cast<std::size_t>(column)], unit);
+    if (unit_column >= 0) {
+      takeUnitCell(row, row.cells[static_cast<std::size_t>(unit_column)], unit);
+    }
+    if (!unit && wavelength_line_ > 0) {
+      fail(wavelength_line_,
+           "a wavelength, as for waves, and no unit: expected a heading um or nm");
+    }
+    return unit.value_or(1.0);
   }
 
   void set(const Row& row, std::optional<Wavefront>& eye, int index, double um, double pupil_mm) {
@@ -281,9 +369,13 @@ class WavefrontTable {
 
   void readWide() {
     const Row& head = rows_.front();
-    int eye_column = -1, pupil_column = -1;
+    int eye_column = -1, pupil_column = -1, unit_column = -1;
+    std::set<int> seen;
     for (std::size_t c = 0; c < head.cells.size(); ++c) {
+      const auto index = indexOf(withoutUnit(head.cells[c]));
+      if (index && !seen.insert(*index).second) failTwice(head, *index);
       if (lowered(head.cells[c]) == "eye") eye_column = static_cast<int>(c);
+      if (isUnit(lowered(head.cells[c]))) unit_column = static_cast<int>(c);
       if (namesPupil(head.cells[c])) pupil_column = static_cast<int>(c);
     }
     if (rows_.size() < 2) fail(head.line, "a heading without a row of coefficients");
@@ -305,13 +397,15 @@ class WavefrontTable {
       std::optional<Wavefront> eye;
       for (std::size_t c = 0; c < head.cells.size(); ++c) {
         const auto index = indexOf(withoutUnit(head.cells[c]));
-        if (!index || parseNumber(head.cells[c])) continue;
-        const double um = unitOf(head, head.cells[c]) * number(row, row.cells[c], head.cells[c]);
-        set(row, eye, *index, um, pupil_mm);
+        if (!index) continue;
+        const double unit = unitOf(head, static_cast<int>(c), row, unit_column);
+        set(row, eye, *index, unit * number(row, row.cells[c], head.cells[c]), pupil_mm);
       }
       keep(row, side, eye);
     }
   }
+
+  static bool isUnit(const std::string& heading) { return heading == "unit" || heading == "units"; }
 
   void keep(const Row& row, int side, const std::optional<Wavefront>& eye) {
     for (const int one : {-1, 1}) {
@@ -324,7 +418,7 @@ class WavefrontTable {
 
   struct Columns {
     int n = -1, m = -1, index = -1, name = -1;
-    int value = -1, right = -1, left = -1, eye = -1, pupil = -1;
+    int value = -1, right = -1, left = -1, eye = -1, pupil = -1, unit = -1;
   };
 
   Columns columnsOf(const Row& head, bool& has_heading) const {
@@ -337,19 +431,23 @@ class WavefrontTable {
       };
       if (is({"n"})) columns.n = at;
       if (is({"m"})) columns.m = at;
-      if (is({"j", "index", "osa", "ansi", "i"})) columns.index = at;
+      if (is({"j", "index", "osa", "ansi", "i", "osa index", "ansi index", "osa_index",
+              "ansi_index"})) {
+        columns.index = at;
+      }
       if (is({"term", "mode", "name", "zernike"})) columns.name = at;
       if (is({"value", "coefficient", "coeff", "c", "", "um", "µm", "nm", "zernike_um"})) {
         columns.value = at;
       }
       if (namesPupil(text)) columns.pupil = at;
       if (is({"eye"})) columns.eye = at;
+      if (isUnit(text)) columns.unit = at;
       if (is({"right", "right eye", "od", "r", "re"})) columns.right = at;
       if (is({"left", "left eye", "os", "l", "le"})) columns.left = at;
     }
     has_heading = columns.value >= 0 || columns.right >= 0 || columns.left >= 0;
     if (has_heading) return columns;
-    for (const std::string& cell : head.cells) unitOf(head, cell);  // refuses waves
+    for (const std::string& cell : head.cells) unitIn(head.line, cell);  // refuses waves
     if (head.cells.size() == 2) return {.index = 0, .name = 0, .value = 1};
     if (head.cells.size() == 3) return {.n = 0, .m = 1, .value = 2};
     fail(head.line,
@@ -370,6 +468,9 @@ class WavefrontTable {
     const int column = columns.name >= 0 ? columns.name : columns.index;
     if (column < 0) fail(rows_.front().line, "expected the columns n and m, or j, or term");
     if (const auto named = indexOf(at(column))) return *named;
+    if (at(column).find(',') != std::string::npos) {
+      fail(row.line, "index " + shown(at(column)) + ": expected 0 to 65, or a name such as Z2_0");
+    }
     const double index = number(row, at(column), "index");
     if (index != std::floor(index))
       fail(row.line, "index " + exactText(index) + ": expected 0 to 65");
@@ -398,14 +499,11 @@ class WavefrontTable {
     const Columns columns = columnsOf(head, has_heading);
     const double pupil_mm =
         has_heading && columns.pupil >= 0 ? pupilOfColumn(head, columns.pupil) : pupilInForce();
-    const auto unit = [&](int column) {
-      return has_heading ? unitOf(head, head.cells[static_cast<std::size_t>(column)]) : 1.0;
-    };
     std::set<std::pair<int, int>> seen;  // term and side
     for (std::size_t r = has_heading ? 1 : 0; r < rows_.size(); ++r) {
       const Row& row = rows_[r];
       const int most = std::max({columns.n, columns.m, columns.index, columns.name, columns.value,
-                                 columns.right, columns.left, columns.eye});
+                                 columns.right, columns.left, columns.eye, columns.unit});
       if (static_cast<int>(row.cells.size()) <= most) {
         fail(row.line, std::to_string(row.cells.size()) + " cells: expected at least " +
                            std::to_string(most + 1));
@@ -413,13 +511,14 @@ class WavefrontTable {
       const int term = termOf(row, columns);
       const int side =
           columns.eye < 0 ? 0 : sideOf(row, row.cells[static_cast<std::size_t>(columns.eye)]);
-      if (!seen.emplace(term, side).second) {
-        fail(row.line, "term " + std::to_string(term) + " a second time: expected each term once");
-      }
+      if (!seen.emplace(term, side).second) failTwice(row, term);
       const auto take = [&](int column, std::optional<Wavefront>& eye) {
         if (column < 0) return;
         const std::string& cell = row.cells[static_cast<std::size_t>(column)];
-        set(row, eye, term, unit(column) * number(row, cell, "coefficient"), pupil_mm);
+        set(row, eye, term,
+            unitOf(head, has_heading ? column : -1, row, columns.unit) *
+                number(row, cell, "coefficient"),
+            pupil_mm);
       };
       if (side <= 0) take(columns.value, eyes_.left);
       if (side >= 0) take(columns.value, eyes_.right);
@@ -431,6 +530,8 @@ class WavefrontTable {
   std::string file_;
   std::optional<double> pupil_mm_;
   std::vector<Row> rows_;
+  std::optional<double> unit_;  ///< micrometres in the unit that a comment or a row states
+  int wavelength_line_ = 0;     ///< of a row that states it
   bool decimal_comma_ = false;
   bool signed_names_ = false;  ///< some names are such as Z3-1; Z40 is then n = 4, m = 0
   MeasuredEyes eyes_;

@@ -50,6 +50,16 @@ INSTANTIATE_TEST_SUITE_P(
         "j,coefficient_um,pupil_mm\n4,0.5,6\n8,-0.25,6\n",
         "Pupil radius (mm),3\nj,um\n4,0.5\n8,-0.25\n", "pupil_radius_mm,Z4,Z8\n3,0.5,-0.25\n",
         "eye,n,m,um,pupil_mm\nOD,2,0,0.5,6\nOD,3,1,-0.25,6\nOS,2,0,0.5,6\nOS,3,1,-0.25,6\n",
+        "pupil_mm;6,0\nn;m;um\n2;0;0,5\n3;1;-0,25\n", "pupil_mm\t6,0\nj\tum\n4\t0,5\n8\t-0,25\n",
+        "pupil_mm;6\nZ5;0,0\nZ4;0,5\nZ8;-0,25\n", "pupil_mm,6\nterm,um\nZ2_0,0.5\nZ3_1,-0.25\n",
+        "pupil_mm,6\nn,m,value,unit\n2,0,500,nm\n3,1,-0.25,um\n",
+        "eye,pupil_mm,unit,Z4,Z8\nOD,6,nm,500,-250\nOS,6,um,0.5,-0.25\n",
+        "# Units: nm\npupil_mm,6\nj,value\n4,500\n8,-250\n",
+        "# Wavefront coefficients (um) at lambda = 555 nm\npupil_mm,6\nj,value\n4,0.5\n8,-0.25\n",
+        "# Zernike coefficients at 840 nm, pupil diameter in mm\npupil_mm,6\nj,c\n4,0.5\n8,-0.25\n",
+        "pupil_mm,6\nunit,nm\nj,value\n4,500\n8,-250\n",
+        "pupil_mm,6\nwavelength_nm,555\nj,um\n4,0.5\n8,-0.25\n",
+        "pupil_mm,6\nOSA index,Noll index,um\n4,4,0.5\n8,8,-0.25\n",
         "pupil_mm,6\n\"n\",\"m\",\"Right Eye\",\"Left Eye\"\n2,0,0.5,0.5\n3,1,-0.25,-0.25\n"));
 
 TEST_P(Layouts, HoldTheSameEye) {
@@ -70,6 +80,43 @@ TEST(WavefrontFile, OneEyeMayBeMissing) {
 TEST(WavefrontFile, ThePupilOfTheKeyCountsWhereTheFileHasNone) {
   expectTheEye(read("j,um\n4,0.5\n8,-0.25\n", 6.0).right);
   expectTheEye(read("pupil_mm,6\nj,um\n4,0.5\n8,-0.25\n", 5.0).right);
+}
+
+TEST(WavefrontFile, RefusesUnitsThatCanBeMisread) {
+  const std::string table = "pupil_mm,6\nj,value\n4,0.5\n";
+  for (const std::string comment :
+       {"Zernike coefficients in waves at 555 nm", "units: waves", "unit: lambda", "values in λ"}) {
+    EXPECT_NE(refusal("# " + comment + "\n" + table).find(": expected micrometres, not waves"),
+              std::string::npos)
+        << comment;
+  }
+  EXPECT_EQ(refusal("pupil_mm,6\nn,m,value,unit\n4,0,0.5,waves\n"),
+            "eye.csv:3: \"waves\": expected micrometres, not waves");
+  EXPECT_EQ(refusal("pupil_mm,6\nn,m,value,unit\n4,0,0.5,D\n"),
+            "eye.csv:3: unit = \"D\": expected um or nm");
+  EXPECT_EQ(refusal("pupil_mm,6\nunits,waves\nj,c\n4,0.5\n"),
+            "eye.csv:2: \"waves\": expected micrometres, not waves");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,coefficient (mm)\n4,0.5\n"),
+            "eye.csv:2: \"coefficient (mm)\": expected um or nm, not mm");
+  EXPECT_EQ(refusal("# units: nm\npupil_mm,6\nj,um\n4,0.5\n"),
+            "eye.csv:3: \"um\": a second unit: expected one for each coefficient");
+  EXPECT_EQ(refusal("wavelength_nm,555\n" + table),
+            "eye.csv:1: a wavelength, as for waves, and no unit: expected a heading um or nm");
+}
+
+TEST(WavefrontFile, RefusesTermsThatCanBeMisread) {
+  EXPECT_EQ(refusal("eye,pupil_mm,Z12,Z12\nOD,6,0.5,0.1\n"),
+            "eye.csv:1: term 12 a second time: expected each term once");
+  for (const char* table : {"Z20,Z22,Z40\n0.5,0.1,0.1\n", "Z20,0.5\nZ22,0.1\n",
+                            "Z40_um,pupil\n1,6\n", "term,um\nC_31,0.5\nC_33,0.1\n"}) {
+    EXPECT_NE(refusal(std::string("pupil_mm,6\n") + table).find(": an index, or n and m? expected"),
+              std::string::npos)
+        << table;
+  }
+  EXPECT_EQ(refusal("pupil_mm,6\nZ20_um,Z3-1_um,Z11_um\n0.5,0.1,0\n"), "read");
+  EXPECT_EQ(refusal("pupil_mm,6\nZ4,Z11\n0.5,0.1\n"), "read");
+  EXPECT_EQ(refusal("pupil_mm;6\nterm;um\n2,0;0,5\n"),
+            "eye.csv:3: index \"2,0\": expected 0 to 65, or a name such as Z2_0");
 }
 
 TEST(WavefrontFile, RefusesWhatCanBeMisread) {
