@@ -19,7 +19,8 @@ struct Eyes {
   std::array<Wavefront, 2> wavefronts{};  ///< left, right
 };
 
-/// Without glasses, the second order that both wavefronts have in common is the refraction.
+/// Without glasses, the second order that both wavefronts have in common, at the pupil
+/// `observer.pupil_mm`, is the refraction.
 Eyes eyesOf(const Study::Observer& observer) {
   Eyes eyes;
   if (!observer.corrected) {
@@ -40,15 +41,24 @@ Eyes eyesOf(const Study::Observer& observer) {
   // One eye alone is the one that the view shows (`checkStudy`).
   eyes.wavefronts = {measured.left ? *measured.left : *measured.right,
                      measured.right ? *measured.right : *measured.left};
-  const glm::dvec3 common_D = 0.5 * (power_D(eyes.wavefronts[0]) + power_D(eyes.wavefronts[1]));
-  for (Wavefront& eye : eyes.wavefronts) {
-    eye = observer.corrected ? withoutRefraction(std::move(eye))
-                             : withPower(eye, power_D(eye) - common_D);
+  if (observer.corrected) {
+    for (Wavefront& eye : eyes.wavefronts) eye = withoutRefraction(std::move(eye));
+    return eyes;
   }
-  if (!observer.corrected) {
-    eyes.refraction.far_point_D += common_D.x;
-    eyes.refraction.astigmatism_D += glm::vec2(common_D.y, common_D.z);
+  // Higher orders that are rescaled to a smaller pupil have a second order there. A prescription
+  // holds at every pupil.
+  const bool is_prescribed =
+      observer.age_years || observer.sphere_D != 0.0 || observer.cylinder_D != 0.0;
+  const auto powerInUse_D = [&](const Wavefront& eye) {
+    return power_D(is_prescribed ? eye : rescaled(eye, observer.pupil_mm / 1000.0));
+  };
+  const std::array powers_D{powerInUse_D(eyes.wavefronts[0]), powerInUse_D(eyes.wavefronts[1])};
+  const glm::dvec3 common_D = 0.5 * (powers_D[0] + powers_D[1]);
+  for (const std::size_t side : {0, 1}) {
+    eyes.wavefronts[side] = withPower(eyes.wavefronts[side], powers_D[side] - common_D);
   }
+  eyes.refraction.far_point_D += common_D.x;
+  eyes.refraction.astigmatism_D += glm::vec2(common_D.y, common_D.z);
   return eyes;
 }
 

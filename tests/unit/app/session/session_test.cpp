@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "app/session/observer_eye.h"
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
@@ -293,6 +294,38 @@ TEST(ObserverEye, GlassesComeOffWhileItRuns) {
   EXPECT_EQ(session.look(0.4).eye.focus_D, worn_D + 2.0);
   EXPECT_NEAR(session.look(9.0).eye.focus_D, 2.0, 1e-6);  // relaxed
   EXPECT_THROW(changeLive(study, session, "observer.axis_deg", "181"), InputError);
+}
+
+TEST(ObserverEye, WithoutGlassesHasTheMeasuredWavefrontWithinItsPupil) {
+  Study study = wallStudy();
+  study.observer.corrected = false;
+  study.observer.wavefront.zernike_um = {0, 0, 0, 0.1, 0.5, -0.2, 0, 0, 0, 0, 0, -0.05, 0.2, 0.07};
+  study.observer.wavefront_pupil_mm = 6.0;
+  const Wavefront measured{.zernike_um = study.observer.wavefront.zernike_um, .pupil_m = 6e-3};
+  const auto at_um = [](const Wavefront& w, double x_mm, double y_mm) {
+    const double scale = 2e-3 / w.pupil_m;
+    double sum = 0.0;
+    for (int j = 3; j < static_cast<int>(w.zernike_um.size()); ++j) {
+      sum += w.zernike_um[static_cast<std::size_t>(j)] *
+             (zernike(zernikeOrder(j), scale * glm::dvec2(x_mm, y_mm)) -
+              zernike(zernikeOrder(j), {0, 0}));
+    }
+    return sum;
+  };
+  for (const double pupil_mm : {3.0, 6.0}) {
+    study.observer.pupil_mm = pupil_mm;
+    const ObserverSettings observer = sessionSettingsOf(study).observer;
+    const Refraction& eye = observer.refraction;
+    const Wavefront rest =
+        pupilOfEye(observer, false, pupil_mm, glm::vec2(1000.0f), eye.far_point_D).wavefront;
+    const glm::dvec3 refraction_D(eye.far_point_D, eye.astigmatism_D);
+    const Wavefront seen = withPower(rest, power_D(rest) + refraction_D);
+    for (const double x_mm : {-1.2, 0.0, 0.4}) {
+      for (const double y_mm : {-0.7, 0.9}) {
+        EXPECT_NEAR(at_um(seen, x_mm, y_mm), at_um(measured, x_mm, y_mm), 1e-6) << pupil_mm;
+      }
+    }
+  }
 }
 
 }  // namespace FOCI_FILE
