@@ -438,6 +438,12 @@ class RowReader {
                                 " is unused: if it marks data loss, name it with gaze.confidence "
                                 "(1 is good) or gaze.blink (0 is good)");
     }
+    if (const std::string& column = layout_.doubtful_pupil; !column.empty()) {
+      header.warnings.push_back("column " + shown(column) +
+                                " is read as the pupil's diameter in mm: gaze.pupil_scale_mm "
+                                "converts a radius (2) or another unit of length; an area needs "
+                                "another column");
+    }
     times_.state(header);
     stateGroups(header);
     requireHead();

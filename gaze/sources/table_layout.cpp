@@ -91,6 +91,20 @@ class Recogniser {
     return column;
   }
 
+  /// The study's column of pupils, which are taken for diameters in mm or, scaled, another length.
+  std::size_t namedPupil(const std::string& name) {
+    const std::size_t column = named(name);
+    const std::string &key = names_.key(column), &unit = names_.unit(column);
+    const bool other_unit = !unit.empty() && unit != "mm";
+    const bool area = key.find("area") != key.npos || key.ends_with("mm2");
+    const bool scalable =
+        key.find("radius") != key.npos || other_unit || !names_.unknownUnit(column).empty();
+    if (area || (scalable && given_.pupil_scale_mm == 1.0)) {
+      layout_.doubtful_pupil = names_.text(column);
+    }
+    return column;
+  }
+
   std::optional<std::size_t> findPosition(std::string_view keys) const {
     // Units that the user states hold for any column.
     return given_.units ? names_.find(keys) : names_.findPosition(keys);
@@ -268,7 +282,7 @@ class Recogniser {
     layout_.space->offset = given_.offset;
     for (std::size_t side : {0, 1}) {
       if (!given_.eyes[side].pupil.empty()) {
-        layout_.eyes[side].pupil_mm = named(given_.eyes[side].pupil);
+        layout_.eyes[side].pupil_mm = namedPupil(given_.eyes[side].pupil);
       }
     }
   }
@@ -302,7 +316,7 @@ class Recogniser {
       } else if (given_.namesEye(1 - side) && given.pupil.empty()) {
         eye = {};  // the study names the other eye alone
       }
-      if (!given.pupil.empty()) eye.pupil_mm = named(given.pupil);
+      if (!given.pupil.empty()) eye.pupil_mm = namedPupil(given.pupil);
     }
   }
 
@@ -321,7 +335,7 @@ class Recogniser {
   }
 
   void findRest() {
-    layout_.pupil_mm = !given_.pupil.empty() ? std::optional(named(given_.pupil))
+    layout_.pupil_mm = !given_.pupil.empty() ? std::optional(namedPupil(given_.pupil))
                                              : findPupil("pupil pupildiameter pupilsize");
     if (!layout_.pupil_mm) layout_.pupil_own = findOwnPupil("pupil pupilsize");
     layout_.blink = !given_.blink.empty() ? std::optional(named(given_.blink))

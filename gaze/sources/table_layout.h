@@ -128,6 +128,7 @@ struct TableLayout {
   std::string lacks{};            ///< a column that the vendor's complete tables have; empty: none
   std::string unused_validity{};  ///< a column that seems to mark data loss; empty: none
   std::string unused_gaze{};      ///< one that seems to be gaze, beside a plain "x"; empty: none
+  std::string doubtful_pupil{};   ///< the study's, if its name is of no diameter in mm; else empty
   bool headless = false;          ///< the first line is a row, not a header
   std::size_t names = 0;          ///< number of columns in the header
   std::size_t columns = 0;        ///< number of columns up to the last one in use

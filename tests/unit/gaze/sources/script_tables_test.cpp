@@ -124,5 +124,27 @@ TEST(ScriptTable, NaNAsWindowsPrintsItIsDataLoss) {
             std::string::npos);
 }
 
+TEST(ScriptTable, WarnsOfAPupilWhoseNameIsOfNoDiameterInMillimetres) {
+  const auto warned = [](const std::string& name, double scale_mm) {
+    const ScratchFile file("time_s\tx_px\ty_px\t" + name + "\n0\t10\t20\t2\n0.01\t11\t20\t2\n");
+    for (const std::string& warning :
+         readTrace(file.path(), {.pupil = name, .pupil_scale_mm = scale_mm}, {}).warnings) {
+      if (warning.find("\"" + name + "\" is read as the pupil's diameter in mm") != warning.npos) {
+        return true;
+      }
+    }
+    return false;
+  };
+  for (const char* name : {"pupil_radius_mm", "pupil_px", "pupil_area_mm2", "pupil_cm"}) {
+    EXPECT_TRUE(warned(name, 1.0)) << name;
+  }
+  EXPECT_TRUE(warned("pupil_area_mm2", 2.0));
+  EXPECT_FALSE(warned("pupil_radius_mm", 2.0));
+  EXPECT_FALSE(warned("pupil_px", 0.1));
+  for (const char* name : {"pupil_mm", "pupil", "size_of_pupil", "Diameter [mm]"}) {
+    EXPECT_FALSE(warned(name, 1.0)) << name;
+  }
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
