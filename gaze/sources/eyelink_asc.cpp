@@ -31,6 +31,8 @@ constexpr double kClock_ms = 1e-3;  // above the rounding of seconds, far below 
 // longer than this: then the tracker has lost one eye, and the other eye's gaze is good.
 constexpr double kMaxBlink_ms = 1000.0;
 constexpr std::size_t kMaxIntervals = 8192;
+// Chosen by hand. SR Research advises a mean error below 0.5 deg.
+constexpr double kMaxError_deg = 1.0, kMaxDrift_deg = 2.0;
 constexpr double kSlack_ms = 100.0;  // the line of an event comes a little after its samples
 
 // Messages that the tracker and its software write themselves.
@@ -89,6 +91,11 @@ class AscReader {
     }
     endBlock();
     requireSamples();
+    if (drifts_ > 0) {
+      header_.warnings.push_back(
+          counted(drifts_, "drift correction") + " over 2 deg, of " + significant(drift_deg_) +
+          " deg at most: the calibration no longer held, so check the gaze nearby");
+    }
     header_.trials =
         trialsIn(trial_messages_, kTrialMessage, 1e-3 * std::max(time_ms_, newest_message_ms_));
     if (sizes_.size() > 1) {
@@ -228,6 +235,12 @@ class AscReader {
       trial_messages_.push_back({time_s, textFrom(first)});
     } else if (key == "!CAL" && (second == "CALIBRATION" || second == "VALIDATION")) {
       readCalibration(time_s, first + 1);
+    } else if (key == "DRIFTCORRECT") {
+      const auto offset = std::ranges::find(words_, "OFFSET");
+      const auto at = static_cast<std::size_t>(offset - words_.begin()) + 1;
+      const double deg = at < words_.size() ? parseNumber(words_[at]).value_or(0.0) : 0.0;
+      drifts_ += deg > kMaxDrift_deg;
+      drift_deg_ = std::max(drift_deg_, deg);
     }
     const bool own = std::ranges::any_of(
         kOwnMessages, [&](std::string_view start) { return key.starts_with(start); });
@@ -256,6 +269,25 @@ class AscReader {
     header_.calibrations.push_back(std::move(result));
   }
 
+  /// Of each recorded eye, the last validation since its calibration must be good.
+  void noteAccuracy() {
+    std::array<bool, 2> judged = inaccurate_;
+    for (std::size_t i = header_.calibrations.size(); i-- > 0;) {
+      const TrackerCalibration& each = header_.calibrations[i];
+      const std::size_t side = each.eye == "left" ? 0 : 1;
+      if (each.eye.empty() || each.grade == "aborted" || judged[side]) continue;
+      judged[side] = true;
+      const double error_deg = each.mean_deg.value_or(0.0);
+      inaccurate_[side] = each.kind == "validation" && block_.recorded[side] &&
+                          (each.grade == "poor" || error_deg > kMaxError_deg);
+      if (!inaccurate_[side]) continue;
+      header_.warnings.push_back("the last validation of the " + each.eye +
+                                 " eye before a recording block was " + each.grade +
+                                 ", with a mean error of " + significant(error_deg) +
+                                 " deg: gaze may lie beside its target by as much");
+    }
+  }
+
   /// A sample is the time, then x, y and pupil of each recorded eye. The fields behind them
   /// (velocity, target, flags) are not read.
   void readSample(std::string_view line) {
@@ -268,7 +300,10 @@ class AscReader {
       if (!any_) throw *cut_;
       return;  // the last line may be cut off; a line behind it throws
     }
-    if (!block_.has_samples) requireStatedEyes(line, eyes);
+    if (!block_.has_samples) {
+      requireStatedEyes(line, eyes);
+      noteAccuracy();
+    }
     const double stamp_ms = number(0);
     double time_ms = stamp_ms;
     if (stamp_ms == last_stamp_ms_ && time_ms_ == stamp_ms) time_ms = stamp_ms + 0.5;
@@ -394,6 +429,9 @@ class AscReader {
   std::vector<std::string> sizes_{};
   std::vector<TraceMarker> trial_messages_{};
   double newest_message_ms_ = 0.0;
+  std::array<bool, 2> inaccurate_{};  // eyes that a warning names
+  std::size_t drifts_ = 0;            // corrections above the limit
+  double drift_deg_ = 0.0;            // the largest
   bool gaze_coords_ = false, binocular_ = false, remote_ = false;
   bool started_ = false, outside_ = false;  // a START line; samples before any
   double last_stamp_ms_ = -1.0, time_ms_ = -1.0;

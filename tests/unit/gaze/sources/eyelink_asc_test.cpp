@@ -345,5 +345,34 @@ TEST(EyeLinkAsc, MarksTheBlinkOfARealFile) {
   }
 }
 
+TEST(EyeLinkAsc, WarnsOfInaccurateGaze) {
+  const auto warnings = [](const std::string& messages) {
+    return read(kHead + messages +
+                "START\t10 \tLEFT\n10\t1\t2\t3\t...\n11\t1\t2\t3\t...\nEND\t12\n")
+        .warnings;
+  };
+  const auto validation = [](const std::string& result) {
+    return "MSG\t8 !CAL VALIDATION HV9 L " + result + "  OFFSET 0.2 deg. 4.3,-5.2 pix.\n";
+  };
+  const std::string good = validation("LEFT  GOOD ERROR 0.31 avg. 0.75 max");
+  const std::string poor = validation("LEFT  POOR ERROR 2.31 avg. 4.75 max");
+  const std::string calibration = "MSG\t7 !CAL CALIBRATION HV9 L LEFT  GOOD\n";
+  EXPECT_EQ(warnings(calibration + good + poor + "MSG\t9 !CAL VALIDATION HV9 L ABORTED\n"),
+            std::vector<std::string>{
+                "the last validation of the left eye before a recording block was poor, with a "
+                "mean error of 2.31 deg: gaze may lie beside its target by as much"});
+  EXPECT_EQ(warnings(validation("LEFT  FAIR ERROR 1.31 avg. 1.75 max")).size(), 1u);
+  EXPECT_TRUE(warnings(poor + good).empty());
+  EXPECT_TRUE(warnings(poor + calibration).empty());
+  EXPECT_TRUE(warnings(validation("RIGHT POOR ERROR 2.31 avg. 4.75 max")).empty());
+  const auto drift = [](const std::string& deg) {
+    return "MSG\t9 DRIFTCORRECT L LEFT  at 50,25  OFFSET " + deg + " deg.  -0.9,11.2 pix.\n";
+  };
+  EXPECT_TRUE(warnings(good + drift("0.32")).empty());
+  EXPECT_EQ(warnings(good + drift("0.32") + drift("3.50")),
+            std::vector<std::string>{"1 drift correction over 2 deg, of 3.5 deg at most: the "
+                                     "calibration no longer held, so check the gaze nearby"});
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
