@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <regex>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -121,6 +122,52 @@ std::string firstLine(const std::exception& error) {
   return text.empty() ? "not TOML" : text.substr(0, 200);
 }
 
+/// What to do about a line that toml11 refuses; empty: unknown.
+std::string adviceFor(std::string_view line) {
+  static const std::pair<std::regex, const char*> kMistakes[] = {
+      {std::regex("[^=]*"), "expected key = value, or a [table]"},
+      {std::regex("=[+-]?\\d+,\\d+.*"), "expected a decimal point"},
+      {std::regex("=[+-]?\\d*\\.?\\d+([eE][+-]?\\d+)?\\s*(%|[A-Za-z].*)"),
+       "expected a number without a unit"},
+      {std::regex("=([^\"']*[^\"'\\w])?(\\.\\d.*|\\d+\\.([^\\d].*)?)"),
+       "expected a digit on both sides of the point"},
+      {std::regex("=(true|false|yes|no|on|off)", std::regex::icase),
+       "expected true or false, in small letters"},
+      {std::regex("=\"[^\"]*\\\\.*"), "expected single quotes around a text with \\"},
+      {std::regex("=(\"[^\"]*|'[^']*)"), "expected a quote at the end, too"},
+      {std::regex("=[A-Za-z_./~].*"), "expected quotes around a text"}};
+  constexpr std::size_t kLongest = 200;  // std::regex recurses
+  const std::string_view statement = trimmed(line.substr(0, line.find('#')));
+  if (statement.empty() || statement.starts_with('[') || line.size() > kLongest) return "";
+  const std::size_t at = statement.find('=');
+  std::string value(statement);
+  if (at != statement.npos) value = "=" + std::string(trimmed(statement.substr(at + 1)));
+  const auto found = std::ranges::find_if(
+      kMistakes, [&](const auto& mistake) { return std::regex_match(value, mistake.first); });
+  return found == std::end(kMistakes) ? "" : found->second;
+}
+
+/// The language of another program's file, by its first line; empty: unknown.
+std::string otherLanguageOf(std::string_view text) {
+  static const std::regex yaml("(%YAML|---|[\\w-]+:( |$)).*");
+  for (std::string_view rest = withoutByteOrderMark(text); !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::string line(trimmed(rest.substr(0, std::min<std::size_t>(end, 200))));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (line.empty() || line.starts_with('#')) continue;
+    return line[0] == '{'                 ? "JSON"
+           : line[0] == '<'               ? "XML"
+           : std::regex_match(line, yaml) ? "YAML"
+                                          : "";
+  }
+  return "";
+}
+
+std::string_view lineAt(std::string_view text, int line) {
+  while (--line > 0) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return trimmed(text.substr(0, text.find('\n')));
+}
+
 template <class SyntaxError>
 int lineOfError(const SyntaxError& error) {
   if constexpr (requires { error.location(); }) {
@@ -139,8 +186,16 @@ TomlDocument parseToml(const std::string& text, const std::string& where) {
     std::istringstream stream(std::move(safe).text());
     document.root = toml::parse(stream, where);
   } catch (const toml::syntax_error& error) {
+    if (const std::string other = otherLanguageOf(text); !other.empty()) {
+      throw InputError(where, other,
+                       ", not TOML: expected a study, or a file that foci calibrate writes");
+    }
     const int line = document.lineOf(lineOfError(error));
-    throw InputError(where + ":" + std::to_string(line), firstLine(error));
+    const std::string_view content = lineAt(text, line);
+    const std::string advice = adviceFor(content);
+    throw InputError(where + ":" + std::to_string(line),
+                     content.empty() ? "" : shown(content) + ": ",
+                     advice.empty() ? firstLine(error) : advice);
   } catch (const std::exception& error) {
     throw InputError(where, firstLine(error));
   }

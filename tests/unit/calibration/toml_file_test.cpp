@@ -87,5 +87,32 @@ TEST(TomlFile, LongTextsAreOneValueAndLongTablesInBracesAreRefused) {
   EXPECT_NE(refusal(table + "}").find("16 KiB"), std::string::npos);
 }
 
+TEST(TomlFile, SaysWhatToDoAboutALineThatIsNotToml) {
+  const auto last = [](const std::string& text) { return refusal("a = 1\n" + text); };
+  EXPECT_EQ(last("b = 0,6"), "x:2: \"b = 0,6\": expected a decimal point");
+  EXPECT_EQ(last("b = 4 mm # wide"), "x:2: \"b = 4 mm # wide\": expected a number without a unit");
+  EXPECT_EQ(last("b = True"), "x:2: \"b = True\": expected true or false, in small letters");
+  EXPECT_EQ(last("b=gallery"), "x:2: \"b=gallery\": expected quotes around a text");
+  EXPECT_EQ(last("b = \"C:\\data\""),
+            "x:2: \"b = \"C:\\data\"\": expected single quotes around a text with \\");
+  for (const std::string number : {"4.", ".5", "-.5", "[1.5, 2.]"}) {
+    EXPECT_EQ(last("b = " + number),
+              "x:2: \"b = " + number + "\": expected a digit on both sides of the point");
+  }
+  EXPECT_EQ(last("b = \"no end"), "x:2: \"b = \"no end\": expected a quote at the end, too");
+  EXPECT_EQ(last("b: 4"), "x:2: \"b: 4\": expected key = value, or a [table]");
+  EXPECT_TRUE(last("a = 2").starts_with("x:2: \"a = 2\": ")) << last("a = 2");
+}
+
+TEST(TomlFile, NamesTheLanguageOfOtherProgramsFiles) {
+  const auto other = [](const std::string& language) {
+    return "x: " + language + ", not TOML: expected a study, or a file that foci calibrate writes";
+  };
+  EXPECT_EQ(refusal("image_width: 640\ncamera_matrix:\n  rows: 3\n"), other("YAML"));
+  EXPECT_EQ(refusal("%YAML:1.0\n---\ncameraMatrix: !!opencv-matrix\n"), other("YAML"));
+  EXPECT_EQ(refusal("<?xml version=\"1.0\"?><opencv_storage/>\n"), other("XML"));
+  EXPECT_EQ(refusal("\n{\"camera_matrix\": [[500, 0, 320]]}\n"), other("JSON"));
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
