@@ -98,6 +98,8 @@ std::string answerTo(const std::string& command, LiveRenderer& renderer) {
       return std::string("error ") + error.what();
     }
   }
+  if (verb == "mark") return "error mark: expected mark TEXT";
+  if (verb == "gaze") return "error gaze: expected gaze TIME X Y [PUPIL]";
   return "error " + shown(command) + ": expected gaze, mark, record, stop, set, state or leave";
 }
 

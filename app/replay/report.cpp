@@ -132,8 +132,13 @@ std::string focusText(const Study& study, const ReportFacts& facts) {
   const double focal_px = study.imageSize_px().x * screen.distance_m / screen.size_m.x;
   const double change_px = 0.5 * 1e-3 * facts.summary.pupil_mm * range_D * focal_px;  // C = A/2 D d
   if (change_px >= kVisibleBlur_px) return "";
-  return "focus varies by " + decimal(range_D, 2) +
-         " D: no visible blur; move nearer, or set a larger pupil";
+  const glm::ivec2 size_px = study.imageSize_px();
+  const bool too_few_px = change_px * screen.size_px.x >= kVisibleBlur_px * size_px.x;
+  return "focus varies by " + decimal(range_D, 2) + " D: no visible blur" +
+         (too_few_px ? concat(" in frames of ", size_px.x, " x ", size_px.y,
+                              " px; set a larger output.size_px (screen: ", screen.size_px.x, " x ",
+                              screen.size_px.y, ")")
+                     : "; move nearer, or set a larger pupil");
 }
 
 std::string toleranceText(const Study& study, const ReportFacts& facts) {

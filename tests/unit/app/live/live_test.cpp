@@ -571,6 +571,8 @@ TEST_F(Live, RefusesAChangeAndGoesOn) {
   EXPECT_TRUE(answerTo("record ../elsewhere", renderer).starts_with("error"));
   EXPECT_TRUE(answerTo("dance", renderer).starts_with("error"));
   EXPECT_TRUE(answerTo("mark a b", renderer).starts_with("ok "));
+  EXPECT_EQ(answerTo("mark ", renderer), "error mark: expected mark TEXT");
+  EXPECT_EQ(answerTo("gaze", renderer), "error gaze: expected gaze TIME X Y [PUPIL]");
   EXPECT_EQ(watch(renderer, clock, 0.5).pupil_mm, 6.0);
 }
 
