@@ -211,6 +211,8 @@ struct Triples {
     max = std::max({max, v.x, v.y, v.z});
     values.push_back(v);
   }
+  /// Whole numbers above 1, or nothing but 0, are rather a colour than what follows is a normal.
+  bool isBytes() const { return !any || (whole && max > 1.0f); }
   bool isNormal() const { return unit && any; }
   bool isColor() const { return !negative && (max <= 1.0f || (whole && max <= 255.0f)); }
 };
@@ -218,7 +220,8 @@ struct Triples {
 class TextPointsReader {
  public:
   explicit TextPointsReader(const std::filesystem::path& path)
-      : input_(path), is_pts_(lowerExtension(path) == ".pts") {
+      : input_(path),
+        is_pts_(lowerExtension(lowerExtension(path) == ".gz" ? path.stem() : path) == ".pts") {
     // COLMAP's names stand in comments, which other programs leave out.
     if (path.stem() == "points3D") name(columnsNamed(kColmapNames));
   }
@@ -234,8 +237,9 @@ class TextPointsReader {
       throw InputError(where(), "ends after ", rows_, " of ", *counted_, " points");
     }
     if (counted_ && rows_ > *counted_) {
-      points_.remarks.push_back("states " + std::to_string(*counted_) + " points, and has " +
-                                std::to_string(rows_) + ": are the last lines something else?");
+      points_.remarks.push_back("states " + counted(*counted_, "point") + ", and has " +
+                                std::to_string(rows_) +
+                                ": correct that number, or remove the lines that are no points");
     }
     if (points_.size() == 0 && uncertain_ > 0) {
       throw InputError(input_.name(), "none of its points is certain enough");
@@ -253,7 +257,11 @@ class TextPointsReader {
     const bool comment = isComment(line);
     if (comment) line.remove_prefix(std::min(line.find_first_not_of("#/ \t"), line.size()));
     splitInto(words_, line);
-    if (words_.empty()) return;
+    if (std::ranges::all_of(words_, [](std::string_view word) { return word.empty(); })) return;
+    // Spreadsheets write as many marks in each line as the longest has.
+    const std::size_t least = columns_ ? columns_->count : 0;
+    while (words_.size() > least && words_.back().empty()) words_.pop_back();
+    if (line.ends_with(',') || line.ends_with(';')) words_.resize(std::max(words_.size(), least));
     if (words_.size() > kMaxColumns && !(columns_ && columns_->more)) {
       throw InputError(where(), "has more than ", kMaxColumns, " columns");
     }
@@ -303,7 +311,7 @@ class TextPointsReader {
                          "has 5 columns without names: put a line of names before the points, e.g. "
                          "x y z intensity class");
       }
-      columns_ = columnsOf(row_.size(), is_pts_ || counted_.has_value());
+      columns_ = columnsOf(row_.size(), counted_.has_value());
       if (const std::size_t used = row_.size() < 9 ? 6 : 9; row_.size() > 7 && row_.size() > used) {
         points_.remarks.push_back("the columns after the first " + std::to_string(used) +
                                   " have no names: left out");
@@ -326,10 +334,13 @@ class TextPointsReader {
     for (std::size_t t = 0; t < triples_.size(); ++t) {
       if (columns_->triples[t][0] == kNone) continue;
       const glm::dvec3 v = at(columns_->triples[t]);
-      if (!(std::abs(v.x) < 1e6 && std::abs(v.y) < 1e6 && std::abs(v.z) < 1e6)) {
+      if (std::abs(v.x) < 1e6 && std::abs(v.y) < 1e6 && std::abs(v.z) < 1e6) {
+        triples_[t].append(glm::vec3(v));
+      } else if (columns_->either) {
+        triples_[t].append(glm::vec3(-1.0f));  // no colour, no normal
+      } else {
         throw InputError(where(), "expected a colour or a normal after the position");
       }
-      triples_[t].append(glm::vec3(v));
     }
     if (columns_->intensity != kNone) {
       const double value = row_[static_cast<std::size_t>(columns_->intensity)];
@@ -381,14 +392,18 @@ class TextPointsReader {
   /// Of seven columns, the fourth may be an intensity, or the seventh another value.
   void chooseTriple() {
     Triples &first = triples_[0], &second = triples_[1];
-    const bool is_first = first.isNormal() || (first.isColor() && !second.isNormal());
-    if (is_first && !first.isNormal() && second.isColor()) {
-      points_.remarks.emplace_back(
-          "its 7 columns have no names: taken for x y z, a colour and a value that is left out; "
-          "if they are x y z, intensity and a colour, put a line of names before them");
-    } else if (!is_first && (second.isNormal() || second.isColor())) {
-      first = std::move(second);
+    const bool second_fits = second.isNormal() || second.isColor();
+    const bool is_first =
+        !(is_pts_ && second_fits) &&
+        (first.isNormal() || (first.isColor() && (first.isBytes() || !second.isNormal())));
+    if (!is_pts_ && second_fits && !first.isNormal() && first.isColor()) {
+      points_.remarks.push_back(std::string("its 7 columns have no names: taken for x y z, ") +
+                                (is_first ? "a colour and a value that is left out"
+                                          : "a value that is left out and a normal") +
+                                "; if they are others, as x y z, intensity and a colour, put a "
+                                "line of names before them");
     }
+    if (!is_first && second_fits) first = std::move(second);
     second.values.clear();
   }
 

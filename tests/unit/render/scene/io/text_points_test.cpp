@@ -164,12 +164,34 @@ TEST_F(TextPoints, OfSevenColumnsTheValuesTellWhichAreTheColour) {
                           "1 2 3 255 9 2 4000", "1 2 3 255 9 2 0.5", "1 2 3 1 0.5 0 7"}) {
     EXPECT_EQ(color(row).r, 1.0f) << row;
   }
-  EXPECT_EQ(color("1 2 3 9 255 0 0", "p.pts"), glm::vec3(1, 0, 0));
+  for (const char* name : {"p.pts", "p.pts.gz"}) {
+    EXPECT_EQ(color("1 2 3 9 255 0 0", name), glm::vec3(1, 0, 0)) << name;
+    EXPECT_EQ(read("1 2 3 0.6 -0.8 0 2\n", name).normal.at(0), glm::vec3(0.6f, -0.8f, 0)) << name;
+  }
   EXPECT_EQ(read("1 2 3 0 0 1 0.3\n").normal.at(0), glm::vec3(0, 0, 1));
   EXPECT_EQ(read("1 2 3 0.3 0 0 1\n").normal.at(0), glm::vec3(0, 0, 1));
   const PointCloud either = read("0 0 0 255 0 0 7\n");
   EXPECT_EQ(either.color.at(0), glm::vec3(1, 0, 0));
   EXPECT_TRUE(has(either.remarks.at(0), "7 columns have no names"));
+  const PointCloud red = read("0 0 0 255 0 0 1\n1 0 0 255 0 0 1\n");
+  EXPECT_EQ(red.color.at(0), glm::vec3(1, 0, 0));
+  EXPECT_TRUE(red.normal.empty());
+  EXPECT_TRUE(has(red.remarks.at(0), "a colour and a value that is left out"));
+  EXPECT_TRUE(read("0 0 0 0 0 0 1\n").normal.empty());
+  const PointCloud up = read("0 0 0 0.3 0 0 1\n");
+  EXPECT_EQ(up.normal.at(0), glm::vec3(0, 0, 1));
+  EXPECT_TRUE(has(up.remarks.at(0), "a value that is left out and a normal"));
+}
+
+TEST_F(TextPoints, OfSevenColumnsTheOneThatIsLeftOutMayHoldAnything) {
+  const PointCloud times = read("1 2 3 255 9 2 1600000000.5\n1 2 4 255 9 2 1600000001\n");
+  EXPECT_EQ(times.color.at(1).r, 1.0f);
+  EXPECT_TRUE(times.remarks.empty());
+  const PointCloud curved = read("1 2 3 0 0 1 0.1\n1 2 4 0 0 1 nan\n");
+  ASSERT_EQ(curved.normal.size(), 2u);
+  EXPECT_EQ(curved.normal[1], glm::vec3(0, 0, 1));
+  EXPECT_EQ(read("1 2 3 nan 255 0 0\n").color.at(0), glm::vec3(1, 0, 0));
+  EXPECT_TRUE(has(refusal("1 2 3 0 nan 0 0\n"), "neither colours"));
 }
 
 TEST_F(TextPoints, AnEmptyFieldIsAColumn) {
@@ -177,6 +199,14 @@ TEST_F(TextPoints, AnEmptyFieldIsAColumn) {
   EXPECT_EQ(read("x;note;y;z\n1;;2;3\n", "p.csv").position_m.at(0), glm::vec3(1, 2, 3));
   EXPECT_EQ(read("x , y ,z,\n1 , 2 ,3,\n", "p.csv").position_m.at(0), glm::vec3(1, 2, 3));
   EXPECT_TRUE(has(refusal("x,y,z\n1,,3\n", "p.csv"), "p.csv:2: expected a number"));
+  EXPECT_TRUE(has(refusal("x,y,z\n1,2,\n", "p.csv"), "p.csv:2: expected a number"));
+  for (const char* text : {"x,y,z\n1,2,3\n,,\n", "x,y,z\n1,2,3,,\n", "1;2;3;;\n;;;;\n",
+                           "x,y,z,name,class\n1,2,3,,\n", "x,y,z,name\n1,2,3,\n"}) {
+    const PointCloud points = read(text, "p.csv");
+    ASSERT_EQ(points.size(), 1u) << text;
+    EXPECT_EQ(points.position_m[0], glm::vec3(1, 2, 3)) << text;
+    EXPECT_TRUE(points.remarks.empty()) << text;
+  }
 }
 
 TEST_F(TextPoints, GaussiansAreNoPoints) {
@@ -186,7 +216,7 @@ TEST_F(TextPoints, GaussiansAreNoPoints) {
 
 TEST_F(TextPoints, MoreLinesThanStatedAreNamed) {
   const PointCloud points = read("1\n0 0 0\n0 0 1\n", "p.pwn");
-  EXPECT_TRUE(has(points.remarks.at(0), "states 1 points, and has 2"));
+  EXPECT_TRUE(has(points.remarks.at(0), "states 1 point, and has 2: correct that"));
 }
 
 TEST_F(TextPoints, ATxtFileIsASceneIfItBeginsWithPoints) {
