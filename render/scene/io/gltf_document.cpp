@@ -196,10 +196,10 @@ void GltfDocument::parse(Bytes file) {
 
 /// Refuses extensions without which the image would be wrong.
 void GltfDocument::checkExtensions() {
-  constexpr std::array<std::string_view, 8> kRead = {
-      "KHR_texture_transform", "KHR_mesh_quantization", "KHR_lights_punctual",
-      "KHR_xmp_json_ld",       "EXT_texture_webp",      "EXT_mesh_gpu_instancing",
-      "KHR_texture_basisu",    "KHR_node_visibility"};
+  constexpr std::array<std::string_view, 10> kRead = {
+      "KHR_texture_transform", "KHR_mesh_quantization",   "KHR_lights_punctual", "KHR_xmp_json_ld",
+      "EXT_texture_webp",      "EXT_mesh_gpu_instancing", "KHR_texture_basisu",  "EXT_texture_avif",
+      "MSFT_texture_dds",      "KHR_node_visibility"};
   for (const Json& each : arrayIn(json_, "extensionsRequired")) {
     if (!each.is_string()) continue;
     const auto name = each.get<std::string>();

@@ -51,7 +51,8 @@ class GltfMaterials {
     plain_ = static_cast<std::uint32_t>(arrayIn(gltf.json(), "materials").size());
     const bool unread =
         std::ranges::any_of(arrayIn(gltf.json(), "textures"), [](const Json& texture) {
-          return !texture.contains("source") && extensionOf(texture, "EXT_texture_webp") == nullptr;
+          return !texture.contains("source") && texture.contains("extensions") &&
+                 extensionOf(texture, "EXT_texture_webp") == nullptr;
         });
     if (!unread) return;
     builder.remark(
@@ -238,7 +239,7 @@ class GltfMeshReader {
 
   MeshFile read(bool points_are_kept) {
     try {
-      const std::vector<GltfPlace> places = placesOf(gltf_);
+      const std::vector<GltfPlace> places = placesOf(gltf_, builder_.remarks());
       refuseTooLarge(places);
       for (const GltfPlace& place : places) addPlace(place);
       builder_.remarkCount(missing_, "triangle", "with a vertex that is not there: left out");

@@ -40,7 +40,11 @@ class GltfPointReader {
   explicit GltfPointReader(const GltfDocument& gltf) : gltf_(gltf) {}
 
   GltfPoints read() {
-    for (const GltfPlace& place : placesOf(gltf_)) addPlace(place);
+    std::vector<std::string> said;
+    for (const GltfPlace& place : placesOf(gltf_, said)) addPlace(place);
+    if (has_triangles_) said.clear();  // the mesh says it, too
+    if (joined_) remarks_.insert(said.begin(), said.end());
+    if (!joined_) points_.remarks = std::move(said);
     GltfPoints found{.has_triangles = has_triangles_};
     if (joined_) {
       found.gaussians = GaussianFile{.cloud = std::move(*joined_),

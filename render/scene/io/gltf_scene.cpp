@@ -8,6 +8,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
+#include "base/input_error.h"
 #include "base/text.h"
 
 namespace foci {
@@ -51,11 +52,18 @@ class Walk {
  public:
   explicit Walk(const GltfDocument& gltf) : gltf_(gltf) {}
 
-  std::vector<GltfPlace> places() {
+  std::vector<GltfPlace> places(std::vector<std::string>& remarks) {
     const std::size_t count = arrayIn(gltf_.json(), "nodes").size();
     if (count == 0) gltf_.refuse("is no mesh that can be read: it has no scene with nodes");
     open_.assign(count, 0);
     for (const std::size_t root : roots(count)) visit(root, glm::dmat4(1.0), "", 1);
+    if (hidden_ == 0) return std::move(places_);
+    const std::string hidden = counted(hidden_, "node") + (hidden_ == 1 ? " is" : " are") +
+                               " hidden (KHR_node_visibility)";
+    if (places_.empty()) {
+      gltf_.refuse("shows no mesh, as ", hidden, ": show its nodes, and export it again");
+    }
+    remarks.push_back(hidden + ": not shown");
     return std::move(places_);
   }
 
@@ -77,7 +85,10 @@ class Walk {
     const Json* const node = gltf_.entry("nodes", number);
     if (node == nullptr) return;
     const Json* const seen = extensionOf(*node, "KHR_node_visibility");
-    if (seen != nullptr && seen->value("visible", Json()) == false) return;  // nor what is below
+    if (seen != nullptr && seen->value("visible", Json()) == false) {
+      ++hidden_;
+      return;  // what is below is hidden, too
+    }
     if (open_[number] != 0) gltf_.refuse("node ", number, " is below itself");
     if (depth > kMaxNodeDepth) {
       gltf_.refuse("its nodes nest over ", kMaxNodeDepth, " deep");
@@ -127,10 +138,15 @@ class Walk {
     };
     const auto t = read("TRANSLATION", 3), q = read("ROTATION", 4), s = read("SCALE", 3);
     // The colours of instances, as three.js writes them.
-    const std::size_t colors = numberIn(gltf_, attributes, "_COLOR_0", kNoEntry);
-    const std::size_t channels = colors == kNoEntry ? 0 : gltf_.componentsOf(colors);
-    const auto rgb =
-        channels < 3 ? std::vector<float>() : gltf_.floats(colors, channels, /*as_unit=*/true);
+    std::size_t channels = 0;
+    std::vector<float> rgb;
+    try {
+      const std::size_t colors = numberIn(gltf_, attributes, "_COLOR_0", kNoEntry);
+      if (colors != kNoEntry) channels = gltf_.componentsOf(colors);
+      if (channels >= 3) rgb = gltf_.floats(colors, channels, /*as_unit=*/true);
+    } catch (const InputError&) {
+      // The name is the file's own, and may stand for something else.
+    }
     const glm::dmat4 scene_from_node = place.scene_from_mesh;
     for (std::size_t i = 0; i < instances; ++i) {
       const auto part = [i]<std::size_t N>(const std::vector<float>& all,
@@ -143,6 +159,7 @@ class Walk {
       place.scene_from_mesh = scene_from_node * placeOf(part(t, std::array{0.0, 0.0, 0.0}),
                                                         part(q, std::array{0.0, 0.0, 0.0, 1.0}),
                                                         part(s, std::array{1.0, 1.0, 1.0}));
+      place.tint.reset();
       if ((i + 1) * channels <= rgb.size() && channels > 0) {
         place.tint = glm::clamp(glm::make_vec3(&rgb[i * channels]), 0.0f, 1.0f);
       }
@@ -154,11 +171,14 @@ class Walk {
   std::vector<GltfPlace> places_;
   std::vector<std::uint8_t> open_;  // by node: on the path to the one that is visited
   double instances_ = 0.0;
+  std::size_t hidden_ = 0;  // nodes
 };
 
 }  // namespace
 
-std::vector<GltfPlace> placesOf(const GltfDocument& gltf) { return Walk(gltf).places(); }
+std::vector<GltfPlace> placesOf(const GltfDocument& gltf, std::vector<std::string>& remarks) {
+  return Walk(gltf).places(remarks);
+}
 
 GltfNodes::GltfNodes(const GltfDocument& gltf) : gltf_(gltf) {
   const Json& nodes = arrayIn(gltf.json(), "nodes");

@@ -24,9 +24,10 @@ struct GltfPlace {
 
 /// All places of the default scene, in the order of its nodes; the first scene if there is no
 /// default, and all nodes without a scene. A node of EXT_mesh_gpu_instancing has several.
-/// @throws InputError if nodes nest too deeply, a node is below itself, or there are more than 2^18
-/// instances
-std::vector<GltfPlace> placesOf(const GltfDocument& gltf);
+/// @param remarks  gets the number of hidden nodes
+/// @throws InputError if nodes nest too deeply, a node is below itself, there are more than 2^18
+/// instances, or all meshes are hidden
+std::vector<GltfPlace> placesOf(const GltfDocument& gltf, std::vector<std::string>& remarks);
 
 /// Where a node is in the scene, by all nodes above it.
 class GltfNodes {

@@ -395,12 +395,14 @@ TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {
 }
 
 TEST_F(MeshDamage, PartsOfAGltfThatAreNotShownAreNamed) {
-  const std::string texture =
-      R"(,"textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}],"images":[{"uri":"t.ktx2"}])";
-  EXPECT_TRUE(has(said("a.gltf", gltf(3, texture)), "KTX2"));
-  const std::string avif =
-      R"(,"textures":[{"extensions":{"EXT_texture_avif":{"source":0}}}],"images":[{"uri":"t"}])";
-  EXPECT_TRUE(has(said("b.gltf", gltf(3, avif)), "AVIF"));
+  for (const std::string name : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
+    EXPECT_TRUE(has(said("a.gltf", gltf(3, R"(,"extensionsRequired":[")" + name +
+                                               R"("],"textures":[{"extensions":{")" + name +
+                                               R"(":{"source":0}}}],"images":[{"uri":"t"}])")),
+                    "KTX2, AVIF or DDS"))
+        << name;
+  }
+  EXPECT_EQ(said("b.gltf", gltf(3, R"(,"textures":[{"sampler":0}],"samplers":[{}])")), "");
 }
 
 }  // namespace FOCI_FILE
