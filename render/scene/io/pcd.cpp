@@ -70,8 +70,11 @@ PcdHeader readPcdHeader(ply::Input& input, std::uint64_t& lines) {
     }
     if (of_all && values.size() != 1) throw refusal("expected a whole number");
     if (key == "FIELDS" || key == "COLUMNS") {
-      if (values.size() > kMostFields) throw refusal("has more than 1000 fields");
-      for (const std::string_view name : values) header.fields.push_back({lowered(name)});
+      if (header.fields.size() + values.size() > kMostFields) {
+        throw refusal("has more than 1000 fields");
+      }
+      for (const std::string_view name : values) header.fields.push_back({std::string(name)});
+      ply::lowerNames(header.fields);
     }
     for (std::size_t i = 0; of_fields && i < values.size(); ++i) {
       Field& field = header.fields[i];

@@ -71,16 +71,6 @@ void checkCounts(const Header& header, const Input& input) {
   }
 }
 
-/// Puts the names of properties in lower case.
-void lowerNames(std::vector<Property>& properties) {
-  for (Property& property : properties) {
-    std::string lower = lowered(property.name);
-    const bool taken =  // itself, too
-        std::ranges::find(properties, lower, &Property::name) != properties.end();
-    if (!taken) property.name = std::move(lower);
-  }
-}
-
 template <typename T>
 double load(const unsigned char* bytes, bool swap) {
   std::array<unsigned char, sizeof(T)> raw;

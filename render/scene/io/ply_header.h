@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "render/scene/io/file_bytes.h"
 
 namespace foci::ply {
@@ -69,6 +70,16 @@ class Input {
   FileBytes file_;
   std::uint64_t offset_ = 0;  // of the next byte to hand out
 };
+
+/// Puts names in lower case, but for those that are taken then.
+template <typename Named>
+void lowerNames(std::vector<Named>& all) {
+  for (Named& each : all) {
+    std::string lower = lowered(each.name);
+    const bool taken = std::ranges::find(all, lower, &Named::name) != all.end();  // itself, too
+    if (!taken) each.name = std::move(lower);
+  }
+}
 
 /// Reads up to `end_header` and checks every element's count against the remaining bytes. Names of
 /// properties are in lower case, but for those of two that differ in case alone.

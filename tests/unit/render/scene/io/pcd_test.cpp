@@ -125,6 +125,10 @@ TEST_F(Pcd, NamesOfFieldsMayHaveCapitals) {
                  "HEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n")
                 .position_m.at(0),
             glm::vec3(1, 2, 3));
+  EXPECT_EQ(read("VERSION 0.7\nFIELDS x y z X\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 1\n"
+                 "HEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3 4\n")
+                .position_m.at(0),
+            glm::vec3(1, 2, 3));
 }
 
 TEST_F(Pcd, OpensByItsContent) {
