@@ -93,7 +93,7 @@ class FbxMesh {
     if (++parts_ > kMaxFbxParts || corners_ > kMaxFbxCorners) {
       throw InputError(path_.string(), "repeats its parts more than a million times");
     }
-    const glm::mat3 turn(scene_from_mesh);
+    const glm::mat3 turn(scene_from_mesh), of_normals(normalsFrom(turn));
     const std::vector<glm::mat4> skin = skinOf(mesh, scene_from_mesh);
     has_morphs_ |= mesh.mNumAnimMeshes > 0;
     const Placement placement = placementOf(mesh.mMaterialIndex);
@@ -108,7 +108,8 @@ class FbxMesh {
         corners[k].position = glm::vec3(place * glm::vec4(p.x, p.y, p.z, 1.0f));
         if (mesh.HasNormals()) {
           const aiVector3D& n = mesh.mNormals[i];
-          corners[k].normal = glm::mat3(normalsFrom(glm::mat3(place))) * glm::vec3(n.x, n.y, n.z);
+          const glm::mat3 to = skin.empty() ? of_normals : glm::mat3(normalsFrom(glm::mat3(place)));
+          corners[k].normal = to * glm::vec3(n.x, n.y, n.z);
         }
         if (mesh.HasTextureCoords(placement.set)) {
           const aiVector3D& uv = mesh.mTextureCoords[placement.set][i];

@@ -42,10 +42,13 @@ class OffColors {
       whole = whole && words[at + i].find('.') == std::string_view::npos;
       color[static_cast<int>(i)] = static_cast<float>(row[at + i]);
     }
-    if (!usable) color = kNoColor;
+    ++count_;
+    if (!usable) return;
     bytes_ |= whole && mostOf(color) > 1.0f;
-    colors_.push_back(color);
-    whole_.push_back(whole);
+    colors_.resize(count_, kNoColor);
+    whole_.resize(count_);
+    colors_.back() = color;
+    whole_.back() = whole;
   }
 
   /// To linear light. Integers of 0 and 1 are 0 to 255 beside larger ones, and else 0 to 1.
@@ -58,14 +61,15 @@ class OffColors {
     }
   }
 
-  glm::vec4 at(std::size_t i) const { return colors_.at(i); }
+  glm::vec4 at(std::size_t i) const { return i < colors_.size() ? colors_[i] : kNoColor; }
 
  private:
   static float mostOf(const glm::vec4& c) { return std::max({c.r, c.g, c.b, c.a}); }
 
-  std::vector<glm::vec4> colors_;
-  std::vector<bool> whole_;  // written as integers
-  bool bytes_ = false;       // integers above 1 are among them
+  std::size_t count_ = 0;
+  std::vector<glm::vec4> colors_;  // up to the last one that has a colour
+  std::vector<bool> whole_;        // written as integers
+  bool bytes_ = false;             // integers above 1 are among them
 };
 
 class OffReader {

@@ -85,6 +85,9 @@ TEST_F(Off, ADarkColourBesideBrightOnesIsDark) {
   EXPECT_LT(opaque.color.at(1).y, 0.001f);
   const PointCloud units = points("COFF\n2 0 0\n0 0 0 0.5 0 0 1\n1 0 0 0 1 0 1\n");
   EXPECT_EQ(units.color.at(1), glm::vec3(0, 1, 0));
+  const PointCloud part = points("OFF\n4 0 0\n0 0 0\n1 0 0 0 255 0\n2 0 0\n3 0 0\n");
+  EXPECT_EQ(part.color.at(1), glm::vec3(0, 1, 0));
+  for (const std::size_t i : {0u, 2u, 3u}) EXPECT_EQ(part.color.at(i).x, part.color.at(i).y) << i;
   const MeshFile faces = mesh("OFF\n4 2 0\n" + kSquare + "3 0 1 2 1 0 0\n3 0 2 3 0 200 0\n");
   EXPECT_LT(colorAt(faces.mesh, {0, {0.2f, 0.2f}}, 0.1f).color.x, 0.001f);
 }
