@@ -73,11 +73,13 @@ class StlMesh {
       return u16At(file_.bytes(), kStlStart + kStlRecord * t + kStlColor);
     };
     // MeshLab marks triangles that have a colour, Magics those that have none.
-    bool marks_own = !magics;
-    for (std::uint64_t t = 0; t < triangles && !marks_own; ++t) {
+    bool marked_own = !magics, plain_own = false;
+    for (std::uint64_t t = 0; t < triangles && magics; ++t) {
       const unsigned code = storedAt(t);
-      marks_own = code > kStlMark && code < 0xffffu;
+      marked_own |= code > kStlMark && code < 0xffffu;
+      plain_own |= code > 0 && code < kStlMark;
     }
+    const bool marks_own = marked_own && !plain_own;
     for (std::uint64_t t = 0; t < triangles; ++t) {
       const auto record = file_.bytes().subspan(kStlStart + kStlRecord * t, kStlRecord);
       const unsigned stored = storedAt(t);

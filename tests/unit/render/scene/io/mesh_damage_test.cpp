@@ -330,7 +330,8 @@ TEST_F(MeshDamage, ExtensionsThatAGltfRequiresMustBeKnown) {
 }
 
 /// A tetrahedron's corner: three triangles, each with this colour.
-std::string stl(std::string header, unsigned color, unsigned stated = 3) {
+/// @param last  colour of the last triangle; 0: as the others
+std::string stl(std::string header, unsigned color, unsigned stated = 3, unsigned last = 0) {
   header.resize(80, ' ');
   const auto append = [&](const auto& value) {
     header.append(reinterpret_cast<const char*>(&value), sizeof(value));
@@ -341,7 +342,7 @@ std::string stl(std::string header, unsigned color, unsigned stated = 3) {
       const bool one = (number == 6 + i) || (number == 9 + (i + 1) % 3);
       append(one ? 1.0f : 0.0f);
     }
-    append(static_cast<std::uint16_t>(color));
+    append(static_cast<std::uint16_t>(i == 2 && last != 0 ? last : color));
   }
   return header;
 }
@@ -392,6 +393,14 @@ TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {
   EXPECT_LT(glm::distance(color(31), glm::vec3(1, 0, 0)), 0.01f);  // its own: red in the low bits
   EXPECT_LT(glm::distance(color(31 << 10), glm::vec3(0, 0, 1)), 0.01f);
   EXPECT_LT(glm::distance(color(0x8000 | 31 << 10), glm::vec3(0, 0, 1)), 0.01f);  // MeshLab
+  // Triangles with and without the mark are of Magics, though the marked ones have a code, too.
+  const MeshFile mixed =
+      readMesh(folder_.write("b.stl", stl(header, 31 << 5, 3, 0x8000 | 31 << 10)));
+  const auto colorOf = [&](std::uint32_t triangle) {
+    return colorAt(mixed.mesh, {triangle, glm::vec2(0.25f)}, 0.0f).color;
+  };
+  EXPECT_LT(glm::distance(colorOf(0), glm::vec3(0, 1, 0)), 0.01f);
+  EXPECT_LT(glm::distance(colorOf(2), glm::vec3(1, 0, 0)), 0.01f);
 }
 
 TEST_F(MeshDamage, PartsOfAGltfThatAreNotShownAreNamed) {
