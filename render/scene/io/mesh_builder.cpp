@@ -332,19 +332,34 @@ void MeshBuilder::readMaterials(SceneFacts& facts,
   showHidden(facts);
 }
 
-/// Some programs write `Tr 1`, or an opacity of 0, for the opposite. So it does not count if it
-/// would hide all faces.
+/// Some programs write `Tr 1`, or an opacity of 0, for the opposite, or an alpha that they do not
+/// use. So it does not count if it would hide all faces.
 void MeshBuilder::showHidden(SceneFacts& facts) {
-  const auto hidden = static_cast<std::uint64_t>(std::ranges::count_if(
-      mesh_.material, [&](std::uint32_t m) { return mesh_.materials[m].opacity <= 0.0f; }));
+  std::vector<std::uint8_t> clear;  // by material
+  for (const MeshMaterial& material : mesh_.materials) {
+    clear.push_back(material.alpha != AlphaUse::none && material.texture &&
+                    std::ranges::all_of(material.texture->pixels(),
+                                        [](const auto& rgba) { return rgba[3] == 0; }));
+  }
+  const auto hidden =
+      static_cast<std::uint64_t>(std::ranges::count_if(mesh_.material, [&](std::uint32_t m) {
+        return mesh_.materials[m].opacity <= 0.0f || clear[m] != 0;
+      }));
   if (hidden < mesh_.size()) {
-    remarkCount(hidden, "triangle", "of materials with an opacity of 0: not shown");
+    remarkCount(hidden, "triangle",
+                "of materials with an opacity, or an alpha of the texture, of 0: not shown");
     return;
   }
-  for (MeshMaterial& material : mesh_.materials) material.opacity = 1.0f;
+  for (std::size_t m = 0; m < clear.size(); ++m) {
+    mesh_.materials[m].opacity = 1.0f;
+    if (clear[m] != 0) mesh_.materials[m].alpha = AlphaUse::none;
+  }
   for (MaterialFacts& material : facts.materials) material.opacity = 1.0f;
   facts.opacity.x = 1.0f;
-  remark("its materials would hide every face (`Tr 1`, or an opacity of 0): shown opaque");
+  remark(
+      "its materials would hide every face (`Tr 1`, an opacity of 0, or a texture with an alpha of "
+      "0 "
+      "everywhere): shown opaque");
 }
 
 /// Where the colours come from, of what the triangles use. A colour for each material tells nothing

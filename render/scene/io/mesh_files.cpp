@@ -39,16 +39,6 @@ std::string plainFileName(std::string_view path) {
   return fs::path(name).filename().string();
 }
 
-/// Makes an image opaque of which nothing would be seen. @return whether it was
-bool showHidden(DecodedImage& image) {
-  std::vector<std::uint8_t>& rgba = image.rgba;
-  for (std::size_t i = 3; i < rgba.size(); i += 4) {
-    if (rgba[i] != 0) return false;
-  }
-  for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
-  return true;
-}
-
 /// See `MeshTextures::read`. The grey is the luma of ITU-R BT.601.
 DecodedImage maskOf(DecodedImage image) {
   std::vector<std::uint8_t>& rgba = image.rgba;
@@ -101,10 +91,6 @@ std::shared_ptr<const MeshTexture> MeshTextures::read(const ImageSource& source,
   if (!is_new) return at->second;
   auto read = image(source, as_mask ? "its material is shown without holes"
                                     : "the colour of its material is shown");
-  if (read && !as_mask && showHidden(*read)) {
-    remarks_.push_back("texture " + shown(plainFileName(source.name)) +
-                       " has an alpha of 0 everywhere: shown opaque");
-  }
   if (read) {
     at->second = std::make_shared<const MeshTexture>(as_mask ? maskOf(std::move(*read)) : *read);
   }

@@ -33,7 +33,7 @@ class MeshTextures {
 
   /// Null, with a remark, if it cannot be read or has more than kMaxImagePixels.
   /// @param as_mask  of opacity: white, with an alpha. This is the image's own alpha if it has one
-  ///                 that varies, as exporters name the texture of the colour twice; else its grey
+  ///                 that varies; else its grey
   /// @throws InputError if the file is a pipe or a device, or if all textures take too much memory
   std::shared_ptr<const MeshTexture> read(const ImageSource& source, bool as_mask = false);
 

@@ -126,9 +126,9 @@ class MtlReader {
   MtlFile file_;
 };
 
-/// Brings colours to linear light; negative ones stay. @return what the user should know
-std::optional<std::string> linearise(std::vector<glm::vec3>& colors,
-                                     const std::filesystem::path& path) {
+/// Brings colours to linear light; negative ones stay. Clears them if they are none, as normals
+/// behind `v`. @return what the user should know
+std::optional<std::string> linearise(std::vector<glm::vec3>& colors) {
   constexpr float kSlack = 1e-3f, kByte = 255.0f;
   float white = 1.0f, least = 0.0f;
   bool whole = true;
@@ -139,8 +139,10 @@ std::optional<std::string> linearise(std::vector<glm::vec3>& colors,
   }
   const bool bytes = white > 1.0f + kSlack;
   if (least < -kSlack || (bytes && !(whole && white <= kByte))) {
-    throw InputError(path.string(), "colour ", decimal(double{least < -kSlack ? least : white}, 3),
-                     " of a vertex: expected 0 to 1, or whole numbers of 0 to 255");
+    colors.clear();
+    return "the numbers behind its vertices are no colours (" +
+           decimal(double{least < -kSlack ? least : white}, 3) +
+           " is among them): left out; write colours as 0 to 1, or as whole numbers of 0 to 255";
   }
   for (glm::vec3& color : colors) {
     if (color != glm::vec3(-1.0f)) color = linearColor(color / (bytes ? kByte : 1.0f));
@@ -153,7 +155,7 @@ PointCloud pointsOf(ObjFile&& obj, const std::filesystem::path& path) {
   PointCloud points;
   points.format = "OBJ points";
   points.remarks = std::move(obj.remarks);
-  if (const auto said = linearise(obj.colors, path)) points.remarks.push_back(*said);
+  if (const auto said = linearise(obj.colors)) points.remarks.push_back(*said);
   const bool has_normals = obj.normals.size() == obj.positions.size();
   ScanPositions positions(points);
   for (std::size_t i = 0; i < obj.positions.size(); ++i) {
@@ -233,7 +235,7 @@ class ObjMesh {
   }
 
   void build() {
-    if (const auto said = linearise(obj_.colors, path_)) builder_.remark(*said);
+    if (const auto said = linearise(obj_.colors)) builder_.remark(*said);
     places_ = builder_.placesOf(obj_.positions);
     std::vector<std::uint16_t> objects;
     for (const std::string& name : obj_.objects) objects.push_back(builder_.addObject(name));
@@ -277,8 +279,13 @@ class ObjMesh {
     material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;
     read.facts->opacity = material.opacity;
     // The alpha of the texture itself counts already.
+    const auto areSame = [](const ImageSource& a, const ImageSource& b) {
+      std::error_code ignored;
+      return a.file && b.file ? std::filesystem::equivalent(*a.file, *b.file, ignored)
+                              : a.name == b.name;
+    };
     const bool own =
-        from->mask && !(from->color && from->color->source.name == from->mask->source.name);
+        from->mask && !(from->color && areSame(from->color->source, from->mask->source));
     if (own) material.mask = builder_.textures().read(from->mask->source, /*as_mask=*/true);
     if (const auto& texture = glows ? from->emission : from->color) {
       read.facts->textures = {factsOf(texture->source)};

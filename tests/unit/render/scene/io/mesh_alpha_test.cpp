@@ -150,13 +150,32 @@ TEST_F(MeshAlpha, ATextureOfAnObjThatIsItsOwnMaskHasNoHoles) {
   EXPECT_EQ(at(obj("map_Kd t.png\nmap_d t.png\n"), 0.2f).opacity, 0.0f);
 }
 
-TEST_F(MeshAlpha, ATextureWithAnAlphaOfZeroEverywhereIsOpaque) {
+TEST_F(MeshAlpha, ATextureThatIsItsOwnMaskMayHaveAnotherName) {
+  writeRamps("t.png", false);
+  EXPECT_EQ(at(obj("map_Kd t.png\nmap_d .\\t.png\n"), 0.2f).opacity, 1.0f);
+  writeRamps("u.png", false);
+  EXPECT_EQ(at(obj("map_Kd t.png\nmap_d u.png\n"), 0.2f).opacity, 0.0f);
+}
+
+TEST_F(MeshAlpha, ATextureWithAnAlphaOfZeroEverywhereIsOpaqueIfItHidesTheMesh) {
   cv::imwrite((folder_.path() / "t.png").string(),
               cv::Mat(4, 4, CV_8UC4, cv::Scalar(0, 0, 255, 0)));
   const MeshFile file = obj("map_Kd t.png\n");
   EXPECT_EQ(at(file, 0.5f).opacity, 1.0f);
   EXPECT_EQ(at(file, 0.5f).color, glm::vec3(1, 0, 0));
   EXPECT_NE(file.mesh.remarks.at(0).find("alpha of 0 everywhere"), std::string::npos);
+
+  folder_.write("m.mtl", "newmtl m\nmap_Kd t.png\nnewmtl plain\nKd 1 0 0\n");
+  const MeshFile part = readMesh(folder_.write("m.obj",
+                                               "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                               "v 0 0 1\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"
+                                               "usemtl plain\nf 1 2 4\n"));
+  EXPECT_EQ(at(part, 0.5f).opacity, 0.0f);
+  EXPECT_NE(part.mesh.remarks.at(0).find("1 triangle of materials"), std::string::npos);
+
+  const MeshFile opaque = gltf(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})");
+  EXPECT_EQ(at(opaque, 0.5f).opacity, 1.0f);
+  EXPECT_TRUE(opaque.mesh.remarks.empty());
 }
 
 TEST_F(MeshAlpha, OptionsOfAnObjScaleThenMoveTheTexture) {

@@ -7,8 +7,10 @@
 #include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <variant>
 
 #include "base/input_error.h"
+#include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/mesh/triangle_mesh.h"
 #include "tests/temporary_folder.h"
@@ -229,9 +231,14 @@ TEST_F(MeshDamage, ATextureOfAPlyNeedsANameAndCoordinates) {
 
 TEST_F(MeshDamage, ColoursOfVerticesMayBe0To255) {
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0 300 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
-                  "colour 300.000 of a vertex: expected 0 to 1, or whole"));
+                  "no colours (300.000 is among them): left out; write colours as 0 to 1, or as "));
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0 1.5 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
-                  "colour 1.500 of a vertex"));
+                  "no colours (1.500"));
+  const std::string normals = "v 0 0 0 0.6 -0.8 0\nv 1 0 0 0.6 -0.8 0\nv 0 1 0 0.6 -0.8 0\n";
+  EXPECT_TRUE(has(said("n.obj", normals + "f 1 2 3\n"), "no colours (-0.800"));
+  EXPECT_TRUE(readMesh(folder_.write("n.obj", normals + "f 1 2 3\n")).mesh.color.empty());
+  const auto points = std::get<PointCloud>(readObj(folder_.write("p.obj", normals)));
+  EXPECT_TRUE(has(points.remarks.at(0), "no colours (-0.800"));
   const std::string bytes = "v 0 0 0 255 0 0\nv 1 0 0 255 0 0\nv 0 1 0 255 0 0\nf 1 2 3\n";
   EXPECT_TRUE(has(said("c.obj", bytes), "colours are 0 to 255"));
   const MeshFile file = readMesh(folder_.write("c.obj", bytes));
