@@ -5,6 +5,7 @@
 
 #include "base/input_error.h"
 #include "base/quantile.h"
+#include "base/transformed.h"
 #include "calibration/calibration_file.h"
 #include "calibration/location.h"
 
@@ -83,13 +84,12 @@ GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
     throw InputError("drift correction",
                      std::to_string(gaze.size()) + " samples: expected 5 or more");
   }
-  std::vector<glm::dvec2> mapped;
-  for (const glm::dvec2& sample : gaze) mapped.push_back(estimateGaze(map, sample).point);
+  const std::vector<glm::dvec2> mapped =
+      transformed(gaze, [&](const glm::dvec2& sample) { return estimateGaze(map, sample).point; });
   const glm::dvec2 seen = robustLocation(mapped).centre;
-  std::vector<double> apart_deg;
-  for (const glm::dvec2& point : mapped) {
-    apart_deg.push_back(angle_deg(onPlane(map.frame, point), onPlane(map.frame, seen)));
-  }
+  const std::vector<double> apart_deg = transformed(mapped, [&](const glm::dvec2& point) {
+    return angle_deg(onPlane(map.frame, point), onPlane(map.frame, seen));
+  });
   const double scatter_deg = quantile(apart_deg, 2.0 / 3.0);
   const double max_deg = std::max(kMaxScatter_deg, kMaxScatter_sd * map.sample_sd_deg);
   if (!(scatter_deg <= max_deg)) {
