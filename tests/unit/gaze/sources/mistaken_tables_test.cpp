@@ -168,7 +168,8 @@ TEST(MistakenTable, AnUnknownWordOfValidityIsRefused) {
       "time_ms,left_gaze_x,left_gaze_y,left_validity,right_gaze_x,right_gaze_y,right_validity\n" +
       rowsOf("N0,53N,576,Valid,54N,577,invalid") + "650,531,576,G\xc3\xbcltig,541,577,Valid\n";
   const std::string refused = refusal(text);
-  EXPECT_NE(refused.find(":66: column 4 = \"G\xc3\xbcltig\": expected"), std::string::npos) << refused;
+  EXPECT_NE(refused.find(":66: column 4 = \"G\xc3\xbcltig\": expected"), std::string::npos)
+      << refused;
 }
 
 TEST(MistakenTable, DirectionsWithoutAxesAndFrameAskForThem) {
