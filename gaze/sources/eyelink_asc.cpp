@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -91,9 +93,10 @@ class AscReader {
     }
     endBlock();
     requireSamples();
-    if (drifts_ > 0) {
+    if (!drifts_deg_.empty()) {
       header_.warnings.push_back(
-          counted(drifts_, "drift correction") + " over 2 deg, of " + significant(drift_deg_) +
+          counted(drifts_deg_.size(), "drift correction") + " over 2 deg, of " +
+          significant(std::ranges::max(drifts_deg_ | std::views::values)) +
           " deg at most: the calibration no longer held, so check the gaze nearby");
     }
     header_.trials =
@@ -239,8 +242,8 @@ class AscReader {
       const auto offset = std::ranges::find(words_, "OFFSET");
       const auto at = static_cast<std::size_t>(offset - words_.begin()) + 1;
       const double deg = at < words_.size() ? parseNumber(words_[at]).value_or(0.0) : 0.0;
-      drifts_ += deg > kMaxDrift_deg;
-      drift_deg_ = std::max(drift_deg_, deg);
+      const bool right = std::ranges::find(words_, "RIGHT") != words_.end();
+      if (deg > kMaxDrift_deg) open_drifts_[right ? 1 : 0][*time_ms] = deg;
     }
     const bool own = std::ranges::any_of(
         kOwnMessages, [&](std::string_view start) { return key.starts_with(start); });
@@ -266,25 +269,31 @@ class AscReader {
         (text == "max" ? result.max_deg : result.mean_deg) = parseNumber(words_[word - 1]);
       }
     }
+    if (result.kind == "calibration") open_drifts_ = {};
     header_.calibrations.push_back(std::move(result));
   }
 
-  /// Of each recorded eye, the last validation since its calibration must be good.
+  /// Of each recorded eye, the last validation since its calibration must be good, and the
+  /// corrections of drift since then small.
   void noteAccuracy() {
     std::array<bool, 2> judged = inaccurate_;
-    for (std::size_t i = header_.calibrations.size(); i-- > 0;) {
+    for (std::size_t side = 0; side < judged.size(); ++side) {
+      if (block_.recorded[side]) drifts_deg_.merge(std::exchange(open_drifts_[side], {}));
+      judged[side] |= !block_.recorded[side];
+    }
+    for (std::size_t i = header_.calibrations.size(); i-- > 0 && !(judged[0] && judged[1]);) {
       const TrackerCalibration& each = header_.calibrations[i];
       const std::size_t side = each.eye == "left" ? 0 : 1;
       if (each.eye.empty() || each.grade == "aborted" || judged[side]) continue;
       judged[side] = true;
-      const double error_deg = each.mean_deg.value_or(0.0);
-      inaccurate_[side] = each.kind == "validation" && block_.recorded[side] &&
-                          (each.grade == "poor" || error_deg > kMaxError_deg);
+      inaccurate_[side] = each.kind == "validation" &&
+                          (each.grade == "poor" || each.mean_deg.value_or(0.0) > kMaxError_deg);
       if (!inaccurate_[side]) continue;
+      const std::string error =
+          each.mean_deg ? ", with a mean error of " + significant(*each.mean_deg) + " deg" : "";
       header_.warnings.push_back("the last validation of the " + each.eye +
-                                 " eye before a recording block was " + each.grade +
-                                 ", with a mean error of " + significant(error_deg) +
-                                 " deg: gaze may lie beside its target by as much");
+                                 " eye before a recording block was " + each.grade + error +
+                                 ": gaze may lie far beside its target");
     }
   }
 
@@ -430,8 +439,9 @@ class AscReader {
   std::vector<TraceMarker> trial_messages_{};
   double newest_message_ms_ = 0.0;
   std::array<bool, 2> inaccurate_{};  // eyes that a warning names
-  std::size_t drifts_ = 0;            // corrections above the limit
-  double drift_deg_ = 0.0;            // the largest
+  // Corrections of drift above the limit, by time: of each eye since its calibration, and of all.
+  std::array<std::map<double, double>, 2> open_drifts_{};
+  std::map<double, double> drifts_deg_{};
   bool gaze_coords_ = false, binocular_ = false, remote_ = false;
   bool started_ = false, outside_ = false;  // a START line; samples before any
   double last_stamp_ms_ = -1.0, time_ms_ = -1.0;

@@ -403,7 +403,7 @@ class TextPointsReader {
                                 "; if they are others, as x y z, intensity and a colour, put a "
                                 "line of names before them");
     }
-    if (!is_first && second_fits) first = std::move(second);
+    if (!is_first && second_fits) std::swap(first, second);
     second.values.clear();
   }
 

@@ -360,7 +360,10 @@ TEST(EyeLinkAsc, WarnsOfInaccurateGaze) {
   EXPECT_EQ(warnings(calibration + good + poor + "MSG\t9 !CAL VALIDATION HV9 L ABORTED\n"),
             std::vector<std::string>{
                 "the last validation of the left eye before a recording block was poor, with a "
-                "mean error of 2.31 deg: gaze may lie beside its target by as much"});
+                "mean error of 2.31 deg: gaze may lie far beside its target"});
+  EXPECT_EQ(warnings(validation("LEFT  POOR")),
+            std::vector<std::string>{"the last validation of the left eye before a recording block "
+                                     "was poor: gaze may lie far beside its target"});
   EXPECT_EQ(warnings(validation("LEFT  FAIR ERROR 1.31 avg. 1.75 max")).size(), 1u);
   EXPECT_TRUE(warnings(poor + good).empty());
   EXPECT_TRUE(warnings(poor + calibration).empty());
@@ -369,6 +372,9 @@ TEST(EyeLinkAsc, WarnsOfInaccurateGaze) {
     return "MSG\t9 DRIFTCORRECT L LEFT  at 50,25  OFFSET " + deg + " deg.  -0.9,11.2 pix.\n";
   };
   EXPECT_TRUE(warnings(good + drift("0.32")).empty());
+  EXPECT_TRUE(warnings(drift("3.50") + calibration + good).empty());
+  EXPECT_TRUE(
+      warnings("MSG\t9 DRIFTCORRECT R RIGHT at 50,25  OFFSET 3.50 deg.  -0.9,11.2 pix.\n").empty());
   EXPECT_EQ(warnings(good + drift("0.32") + drift("3.50")),
             std::vector<std::string>{"1 drift correction over 2 deg, of 3.5 deg at most: the "
                                      "calibration no longer held, so check the gaze nearby"});
