@@ -87,7 +87,7 @@ GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
   const std::vector<glm::dvec2> mapped =
       transformed(gaze, [&](const glm::dvec2& sample) { return estimateGaze(map, sample).point; });
   const glm::dvec2 seen = robustLocation(mapped).centre;
-  const std::vector<double> apart_deg = transformed(mapped, [&](const glm::dvec2& point) {
+  std::vector<double> apart_deg = transformed(mapped, [&](const glm::dvec2& point) {
     return angle_deg(onPlane(map.frame, point), onPlane(map.frame, seen));
   });
   const double scatter_deg = quantile(apart_deg, 2.0 / 3.0);
