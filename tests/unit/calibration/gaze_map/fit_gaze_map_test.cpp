@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "base/input_error.h"
+#include "base/transformed.h"
 #include "calibration/gaze_map/gaze_report.h"
 #include "tests/unit/calibration/simulated_user.h"
 
@@ -330,10 +331,25 @@ TEST(DriftCorrection, RefusesSamplesFarApart) {
     gaze.push_back(*pair.gaze);
   }
   EXPECT_NO_THROW(correctDrift(map, gaze, {0.0, 0.0}));
-  for (const std::size_t elsewhere : {50u, 60u}) {
+  for (const std::size_t elsewhere : {40u, 50u, 60u}) {
     auto both = gaze;
     for (std::size_t i = 0; i < elsewhere; ++i) both[i] += user.tracked({4.0, 0.0});
     EXPECT_THROW(correctDrift(map, both, {0.0, 0.0}), InputError) << elsewhere;
+  }
+}
+
+TEST(DriftCorrection, SparesNoisySamples) {
+  std::mt19937_64 random(15);
+  const SimulatedUser steady;
+  // One sample for each target, as of means: the map knows no scatter.
+  const GazeMap map = fitGazeMap(recordUser(steady, targetGrid(3, 12.0), 1, random), kDegrees).map;
+  SimulatedUser user;
+  for (const double noise_deg : {0.75, 1.0, 2.0}) {
+    user.noise_deg = noise_deg;
+    const std::vector<glm::dvec2> gaze =
+        transformed(recordUser(user, {{0.0, 0.0}}, 200, random),
+                    [](const GazePair& pair) { return *pair.gaze; });
+    EXPECT_NO_THROW(correctDrift(map, gaze, {0.0, 0.0})) << noise_deg;
   }
 }
 
