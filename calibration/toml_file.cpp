@@ -122,8 +122,25 @@ std::string firstLine(const std::exception& error) {
   return text.empty() ? "not TOML" : text.substr(0, 200);
 }
 
+std::string_view withoutComment(std::string_view line) {
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quote == 0 && c == '#') return line.substr(0, i);
+    if (quote == '"' && c == '\\') {
+      ++i;
+    } else if (c == quote) {
+      quote = 0;
+    } else if (quote == 0 && (c == '"' || c == '\'')) {
+      quote = c;
+    }
+  }
+  return line;
+}
+
 /// What to do about a line that toml11 refuses; empty: unknown.
-std::string adviceFor(std::string_view line) {
+/// @param report  of toml11
+std::string adviceFor(std::string_view line, std::string_view report) {
   static const std::pair<std::regex, const char*> kMistakes[] = {
       {std::regex("[^=]*"), "expected key = value, or a [table]"},
       {std::regex("=[+-]?\\d+,\\d+.*"), "expected a decimal point"},
@@ -131,15 +148,21 @@ std::string adviceFor(std::string_view line) {
        "expected a number without a unit"},
       {std::regex("=([^\"']*[^\"'\\w])?(\\.\\d.*|\\d+\\.([^\\d].*)?)"),
        "expected a digit on both sides of the point"},
-      {std::regex("=(true|false|yes|no|on|off)", std::regex::icase),
+      {std::regex("=(T(rue|RUE)|F(alse|ALSE)|[Yy](es|ES)|[Nn][Oo]|[Oo]([Nn]|ff|FF))"),
        "expected true or false, in small letters"},
-      {std::regex("=\"[^\"]*\\\\.*"), "expected single quotes around a text with \\"},
-      {std::regex("=(\"[^\"]*|'[^']*)"), "expected a quote at the end, too"},
+      {std::regex("=(None|null|NULL|nil)"), "expected a value, or no such line"},
+      {std::regex("=\"([^\"\\\\]|\\\\[btnfruU\"\\\\])*"
+                  "\\\\(?![btnfr\"\\\\]|u[\\da-fA-F]{4}|U[\\da-fA-F]{8}).*"),
+       "expected single quotes around a text with \\"},
+      {std::regex("=(\"([^\"\\\\]|\\\\.)*|'[^']*)"), "expected a quote at the end, too"},
       {std::regex("=[A-Za-z_./~].*"), "expected quotes around a text"}};
   constexpr std::size_t kLongest = 200;  // std::regex recurses
-  const std::string_view statement = trimmed(line.substr(0, line.find('#')));
+  const auto reports = [&](const char* what) { return report.find(what) != report.npos; };
+  const std::string_view statement = trimmed(withoutComment(line));
   if (statement.empty() || statement.starts_with('[') || line.size() > kLongest) return "";
+  if (reports("already exists") || reports("exists twice") || reports("array separator")) return "";
   const std::size_t at = statement.find('=');
+  if (at == statement.npos && reports("array")) return "";  // a list of several lines
   std::string value(statement);
   if (at != statement.npos) value = "=" + std::string(trimmed(statement.substr(at + 1)));
   const auto found = std::ranges::find_if(
@@ -150,15 +173,15 @@ std::string adviceFor(std::string_view line) {
 /// The language of another program's file, by its first line; empty: unknown.
 std::string otherLanguageOf(std::string_view text) {
   static const std::regex yaml("(%YAML|---|[\\w-]+:( |$)).*");
+  const bool has_toml = text.find(" = ") != text.npos || text.find("\n[") != text.npos;
   for (std::string_view rest = withoutByteOrderMark(text); !rest.empty();) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     const std::string line(trimmed(rest.substr(0, std::min<std::size_t>(end, 200))));
     rest.remove_prefix(std::min(end + 1, rest.size()));
     if (line.empty() || line.starts_with('#')) continue;
-    return line[0] == '{'                 ? "JSON"
-           : line[0] == '<'               ? "XML"
-           : std::regex_match(line, yaml) ? "YAML"
-                                          : "";
+    if (line[0] == '{') return "JSON";
+    if (line[0] == '<') return "XML";
+    return !has_toml && std::regex_match(line, yaml) ? "YAML" : "";
   }
   return "";
 }
@@ -192,10 +215,10 @@ TomlDocument parseToml(const std::string& text, const std::string& where) {
     }
     const int line = document.lineOf(lineOfError(error));
     const std::string_view content = lineAt(text, line);
-    const std::string advice = adviceFor(content);
+    const std::string report = firstLine(error), advice = adviceFor(content, report);
     throw InputError(where + ":" + std::to_string(line),
                      content.empty() ? "" : shown(content) + ": ",
-                     advice.empty() ? firstLine(error) : advice);
+                     advice.empty() ? report : advice);
   } catch (const std::exception& error) {
     throw InputError(where, firstLine(error));
   }

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ctime>
 #include <string>
+#include <string_view>
 
 #include "base/input_error.h"
 
@@ -102,6 +104,37 @@ TEST(TomlFile, SaysWhatToDoAboutALineThatIsNotToml) {
   EXPECT_EQ(last("b = \"no end"), "x:2: \"b = \"no end\": expected a quote at the end, too");
   EXPECT_EQ(last("b: 4"), "x:2: \"b: 4\": expected key = value, or a [table]");
   EXPECT_TRUE(last("a = 2").starts_with("x:2: \"a = 2\": ")) << last("a = 2");
+}
+
+TEST(TomlFile, AdvisesOnNothingElseThanTheMistake) {
+  const std::string_view advices[] = {"expected", "quote", "decimal"};
+  const auto advised = [&](const std::string& text) {
+    const std::string why = refusal(text);
+    EXPECT_NE(why, "") << text;
+    return std::ranges::any_of(
+        advices, [&](std::string_view advice) { return why.find(advice) != why.npos; });
+  };
+  for (const std::string value :
+       {"true", "\"C:\\\\a\"", "0x1F", "inf", "1.5", "[1.5, 2.5]", "'a'", "\"a#1\"", "1e5"}) {
+    const std::string line = "b = " + value + "\n";
+    EXPECT_EQ(refusal(line), "") << line;
+    EXPECT_NE(refusal(line + line).find("(\"b\") already exists"), std::string::npos)
+        << refusal(line + line);
+  }
+  for (const std::string text : {"b = [1\n 2]", "b = [\n 1,\n 2 mm\n]", "b = [\n foo\n]",
+                                 "b = [1, 2\nc = 3", "b = \"a#1\" \"b\"", "b = \"a\\\"b\" c"}) {
+    EXPECT_FALSE(advised(text)) << text << ": " << refusal(text);
+  }
+  EXPECT_EQ(refusal("b = \"trial #1\\data\""),
+            "x:1: \"b = \"trial #1\\data\"\": expected single quotes around a text with \\");
+  EXPECT_EQ(refusal("b = None"), "x:1: \"b = None\": expected a value, or no such line");
+}
+
+TEST(TomlFile, NamesTheLineOfAStudyThatStartsAsYaml) {
+  for (const std::string rest : {"[scene]\n", "a = 1\n"}) {
+    EXPECT_EQ(refusal("title: demo\n" + rest),
+              "x:1: \"title: demo\": expected key = value, or a [table]");
+  }
 }
 
 TEST(TomlFile, NamesTheLanguageOfOtherProgramsFiles) {
