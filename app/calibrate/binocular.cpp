@@ -61,14 +61,15 @@ void calibrateBinocular(const CalibrateBinocularOptions& options) {
   const auto pairs = readBinocularPairs(options.pairs);
   std::vector<BinocularSample> others;
   if (!options.validate.empty()) others = readBinocularPairs(options.validate);
-  refuseOwnSamples(options.validate, pairs, others);
+  refuseOwnSamples(options.validate, pairs, others,
+                   [](const BinocularSample& sample) { return sample.eyes[0] || sample.eyes[1]; });
   BinocularFit fit;
   try {
     fit = fitBinocular(pairs, roughBinocularMap(pairs));
   } catch (const InputError& error) {
     throw InputError(options.pairs.string(), error.what());
   }
-  Warnings().add(options.pairs.string(), fit.warning);
+  Warnings().addAll(options.pairs.string(), fit.warnings);
   constexpr double kOneSigma = 0.6827;
   std::vector<double> fitted_deg = errorsOf_deg(fit.map, pairs);
   const BinocularCalibration calibration{.map = fit.map,

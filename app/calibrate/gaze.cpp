@@ -60,7 +60,8 @@ GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame
   refuseOtherUnits(options, pairs, &GazePair::target);
   std::vector<GazePair> other;
   if (!options.validate.empty()) other = readGazePairs(options.validate, frame.units);
-  refuseOwnSamples(options.validate, pairs, other);
+  refuseOwnSamples(options.validate, pairs, other,
+                   [](const GazePair& pair) { return pair.gaze.has_value(); });
   GazeReport report;
   try {
     report.fit = fitGazeMap(pairs, frame, model);
@@ -110,7 +111,7 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
   refuseOtherUnits(options, targets, &ShownTarget::target_deg);
   std::vector<ShownTarget> others;
   if (!options.validate.empty()) others = readShownTargets(options.validate);
-  refuseOwnSamples(options.validate, targets, others);
+  refuseOwnSamples(options.validate, targets, others, [](const ShownTarget&) { return true; });
   WebcamTracker tracker(cameraOf(options));
   const WebcamRecording recording = readWebcam(place, tracker);
   const auto reference = tracker.reference();

@@ -10,20 +10,23 @@
 
 namespace foci {
 
-/// @param file  of `others`
+/// @param file     of `others`
+/// @param hasGaze  of a sample; others are passed over
 /// @throws InputError where each of the first 1000 of `others` is one of `fit`
-template <class Sample>
+template <class Sample, class HasGaze>
 void refuseOwnSamples(const std::filesystem::path& file, const std::vector<Sample>& fit,
-                      const std::vector<Sample>& others) {
+                      const std::vector<Sample>& others, const HasGaze& hasGaze) {
   constexpr std::size_t kTested = 1000;
-  const auto end = others.begin() + static_cast<std::ptrdiff_t>(std::min(others.size(), kTested));
-  const bool own = std::all_of(others.begin(), end, [&](const Sample& sample) {
-    return std::find(fit.begin(), fit.end(), sample) != fit.end();
-  });
-  if (!others.empty() && own) {
-    throw InputError("--validate " + file.string(),
-                     "the samples of the fit: expected others, or leave --validate out");
+  std::size_t tested = 0;
+  for (const Sample& sample : others) {
+    if (tested == kTested) break;
+    if (!hasGaze(sample)) continue;
+    if (std::find(fit.begin(), fit.end(), sample) == fit.end()) return;
+    ++tested;
   }
+  if (tested == 0) return;
+  throw InputError("--validate " + file.string(),
+                   "the samples of the fit: expected others, or leave --validate out");
 }
 
 }  // namespace foci

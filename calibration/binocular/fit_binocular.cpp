@@ -152,22 +152,27 @@ std::vector<double> missesOf_rad(std::span<const BinocularSample> samples, doubl
 constexpr const char* kConvert = ", convert the columns that end in _mm to mm";
 
 /// Eyes too near each other or too far apart are in another unit.
-void refuseOtherUnits(std::span<const BinocularSample> samples) {
+/// @return what is unusual about their distance; empty: nothing
+std::string judgeUnits(std::span<const BinocularSample> samples) {
+  constexpr double kLeast_mm = 15.0, kMost_mm = 150.0;  // of a marmoset, and far beyond a human
   std::vector<double> apart_mm;
   for (const BinocularSample& sample : samples) {
     const auto &left = sample.eyes[0], &right = sample.eyes[1];
     if (left && right) apart_mm.push_back(1e3 * glm::distance(left->centre_m, right->centre_m));
   }
-  if (apart_mm.empty()) return;
+  if (apart_mm.empty()) return "";
   const double ipd_mm = quantile(apart_mm, 0.5);
-  if (ipd_mm >= kMinIpd_mm && ipd_mm <= kMaxIpd_mm) return;
-  throw InputError(kWhere, "left_origin_..._mm and right_origin_..._mm are " + significant(ipd_mm) +
-                               " mm apart: expected " + significant(kMinIpd_mm) + " to " +
-                               significant(kMaxIpd_mm) + kConvert);
+  if (ipd_mm >= kMinIpd_mm && ipd_mm <= kMaxIpd_mm) return "";
+  const std::string found = "left_origin_..._mm and right_origin_..._mm are " +
+                            significant(ipd_mm) + " mm apart: expected ";
+  if (ipd_mm >= kLeast_mm && ipd_mm <= kMost_mm) {
+    return found + exactText(kMinIpd_mm) + " to " + exactText(kMaxIpd_mm) + " of an adult";
+  }
+  throw InputError(kWhere, found + exactText(kLeast_mm) + " to " + exactText(kMost_mm) + kConvert);
 }
 
 /// Refuses an impossible distance, mirrored targets and exchanged eyes.
-/// @return what is unusual about the tracker's frame
+/// @return what is unusual about the tracker's frame; empty: nothing
 std::string judgeAxes(std::span<const BinocularSample> samples, const BinocularMap& map) {
   const glm::dmat3 display_from_tracker = glm::transpose(map.rotation);
   std::vector<double> in_front, to_right;  // m, of an eye; from the left eye to the right one
@@ -184,18 +189,26 @@ std::string judgeAxes(std::span<const BinocularSample> samples, const BinocularM
   if (!(std::abs(distance_m) >= kMinDistance_m && std::abs(distance_m) <= kMaxDistance_m)) {
     throw InputError(kWhere, "the eyes are " + significant(1e3 * std::abs(distance_m)) +
                                  " mm from the display: expected " +
-                                 significant(1e3 * kMinDistance_m) + " to " +
-                                 significant(1e3 * kMaxDistance_m) + kConvert);
+                                 exactText(1e3 * kMinDistance_m) + " to " +
+                                 exactText(1e3 * kMaxDistance_m) + kConvert);
   }
   const bool faces_eyes = distance_m > 0.0, y_is_up = map.rotation[1].y > 0.0;
+  const bool x_is_right = map.rotation[0].x > 0.0;
+  const bool in_order = to_right.empty() || quantile(to_right, 0.5) > 0.0;
+  // A camera that faces the observer: as the eyes tell, it was turned, not mirrored.
+  if (!x_is_right && faces_eyes && in_order && !to_right.empty()) {
+    return "the tracker's x leads to the observer's left" +
+           std::string(y_is_up ? " and its z away from the observer" : " and its y down") +
+           ": taken so; expected x right, y up, z towards the observer";
+  }
   const auto refuseAxis = [](const std::string& axis, const std::string& to) {
     throw InputError(kWhere, axis + "_target_mm runs against " + axis +
                                  " of the tracker: expected both " + to +
                                  ", change the sign of the one that is not");
   };
-  if (map.rotation[0].x <= 0.0) refuseAxis("x", "to the right");
+  if (!x_is_right) refuseAxis("x", "to the right");
   if (!y_is_up && !faces_eyes) refuseAxis("y", "up");
-  if (!to_right.empty() && quantile(to_right, 0.5) <= 0.0) {
+  if (!in_order) {
     throw InputError(kWhere,
                      "the left eye is to the right of the right one: expected left_origin_x_mm "
                      "below right_origin_x_mm, exchange the columns left_... and right_...");
@@ -313,7 +326,7 @@ BinocularMap roughBinocularMap(std::span<const BinocularSample> samples) {
 
 BinocularFit fitBinocular(std::span<const BinocularSample> samples, const BinocularMap& nominal) {
   const std::array<std::size_t, 2> seen = countEyes(samples);
-  refuseOtherUnits(samples);
+  const std::string of_units = judgeUnits(samples);
   Unknowns unknowns = startOf(nominal);
 
   // The loss needs the residual's scale, which only a fit tells: begin wide and repeat.
@@ -334,7 +347,9 @@ BinocularFit fitBinocular(std::span<const BinocularSample> samples, const Binocu
   }
 
   fit.map = mapOf(unknowns);
-  fit.warning = judgeAxes(samples, fit.map);
+  for (const std::string& warning : {of_units, judgeAxes(samples, fit.map)}) {
+    if (!warning.empty()) fit.warnings.push_back(warning);
+  }
   BinocularMap uncorrected = fit.map;
   uncorrected.kappa_rad = {};
   fit.vergence_bias_before_D = medianVergenceError_D(samples, uncorrected, fit.map);

@@ -22,7 +22,7 @@ struct BinocularFit {
   double kappa_sd_deg = 0.0;            ///< largest of both eyes and axes
   double vergence_bias_before_D = 0.0;  ///< median of measured minus true vergence, without kappa
   double vergence_bias_after_D = 0.0;   ///< with kappa
-  std::string warning{};                ///< what was assumed of the tracker's frame, or empty
+  std::vector<std::string> warnings{};  ///< what is unusual about the eyes and the tracker's frame
 };
 
 /// Bundle adjustment: Ceres minimises the angles between lines of sight and targets under Cauchy's

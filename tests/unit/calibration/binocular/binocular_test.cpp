@@ -144,6 +144,14 @@ std::string refusalOf(const std::vector<BinocularSample>& samples) {
   return "";
 }
 
+std::string warningsOf(const std::vector<BinocularSample>& samples) {
+  std::string all;
+  for (const auto& warning : fitBinocular(samples, roughBinocularMap(samples)).warnings) {
+    all += warning + "\n";
+  }
+  return all;
+}
+
 TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
   std::mt19937_64 random(8);
   Tracker t = tracker();
@@ -153,7 +161,7 @@ TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
   t.truth.kappa_rad = {};
   const auto good = record(t, 10, random);
   EXPECT_EQ(refusalOf(good), "");
-  EXPECT_EQ(fitBinocular(good, roughBinocularMap(good)).warning, "");
+  EXPECT_EQ(warningsOf(good), "");
   const auto changed = [&](const auto& change) {
     auto samples = good;
     for (BinocularSample& sample : samples) change(sample);
@@ -173,7 +181,7 @@ TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
       for (auto& eye : s.eyes) eye->centre_m *= unit;
     });
   }
-  says("mm from the display", [](BinocularSample& s) {
+  says("mm from the display: expected 100 to 10000", [](BinocularSample& s) {
     s.eyes[1].reset();
     s.target_m *= 0.1;
     s.eyes[0]->centre_m *= 0.1;
@@ -185,8 +193,59 @@ TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
       eye->direction *= glm::dvec3(1.0, -1.0, -1.0);
     }
   });
-  const std::string warning = fitBinocular(turned, roughBinocularMap(turned)).warning;
-  EXPECT_NE(warning.find("its y down"), std::string::npos) << warning;
+  EXPECT_NE(warningsOf(turned).find("its y down"), std::string::npos) << warningsOf(turned);
+}
+
+TEST(FitBinocular, TakesTheFrameOfACameraThatFacesTheObserver) {
+  std::mt19937_64 random(9);
+  Tracker t = tracker();
+  t.head_m = 0.1;
+  t.truth.translation_m.z = -t.truth.translation_m.z;
+  t.truth.kappa_rad = {};
+  const auto good = record(t, 10, random);
+  // OpenCV's, with y down; OpenGL's, with y up.
+  for (const glm::dvec3& turn : {glm::dvec3(-1.0, -1.0, 1.0), glm::dvec3(-1.0, 1.0, -1.0)}) {
+    auto turned = good;
+    for (BinocularSample& sample : turned) {
+      for (auto& eye : sample.eyes) {
+        eye->centre_m *= turn;
+        eye->direction *= turn;
+      }
+    }
+    EXPECT_NE(warningsOf(turned).find("observer's left"), std::string::npos) << turn.y;
+    for (BinocularSample& sample : turned) sample.eyes[0].reset();
+    EXPECT_NE(refusalOf(turned).find("x_target_mm"), std::string::npos) << "one eye cannot tell";
+  }
+}
+
+TEST(FitBinocular, TakesEyesNearerOrFartherThanAnAdults) {
+  std::mt19937_64 random(10);
+  Tracker t = tracker();
+  t.head_m = 0.1;
+  t.truth.translation_m.z = -t.truth.translation_m.z;
+  t.truth.kappa_rad = {};
+  const auto good = record(t, 10, random);
+  const auto apart = [&](double ipd_m) {
+    auto samples = good;
+    for (BinocularSample& sample : samples) {
+      const glm::dvec3 target =
+          t.truth.rotation * glm::dvec3(sample.target_m, 0.0) + t.truth.translation_m;
+      for (std::size_t eye = 0; eye < 2; ++eye) {
+        sample.eyes[eye]->centre_m.x += (eye == 0 ? -0.5 : 0.5) * (ipd_m - 0.064);
+        sample.eyes[eye]->direction = target - sample.eyes[eye]->centre_m;
+      }
+    }
+    return samples;
+  };
+  EXPECT_EQ(warningsOf(apart(0.05)), "");
+  for (const double ipd_m : {0.03, 0.1}) {
+    const std::string warning = warningsOf(apart(ipd_m));
+    EXPECT_NE(warning.find("mm apart: expected 40 to 80"), std::string::npos) << warning;
+  }
+  for (const double ipd_m : {0.01, 0.2}) {
+    const std::string refusal = refusalOf(apart(ipd_m));
+    EXPECT_NE(refusal.find("mm apart: expected 15 to 150"), std::string::npos) << refusal;
+  }
 }
 
 TEST(FitBinocular, OneEyeIsEnough) {
