@@ -57,7 +57,7 @@ double numberIn(const Json& calibration, const char* key, double low, double hig
   if (found == calibration.end()) throw InputError(file, std::string("no \"") + key + "\"");
   const double value = found->is_number() ? found->get<double>() : -1.0;
   if (!(value >= low && value <= high)) {
-    throw InputError(file, std::string(key) + " = " + found->dump().substr(0, 40) + ": expected " +
+    throw InputError(file, std::string(key) + " = " + shown(found->dump()) + ": expected " +
                                Json(low).dump() + " to " + Json(high).dump() + " cm");
   }
   return value;
@@ -93,7 +93,7 @@ std::optional<double> meanGamma(const Json& values, const char* key, const std::
   for (const Json& gun : guns) {
     const double value = gun.is_number() ? gun.get<double>() : -1.0;
     if (!(value > 0.0 && value <= 4.0)) {
-      throw InputError(file, std::string(key) + " = " + values.dump().substr(0, 40) +
+      throw InputError(file, std::string(key) + " = " + shown(values.dump()) +
                                  ": expected 1 to 4, or one such number for each gun");
     }
     measured |= value != 1.0;
@@ -106,8 +106,9 @@ std::optional<double> meanGamma(const Json& values, const char* key, const std::
 /// As PsychoPy's Monitor.getGamma: the third column of `gammaGrid` below its first row, which is of
 /// all guns together, unless all are 1; else `gamma`.
 std::optional<double> gammaIn(const Json& fields, const std::string& file) {
+  const auto stated = [](const Json& value) { return value.is_number() || value.is_array(); };
   const Json grid = unwrapped(fields.value("gammaGrid", Json()));
-  if (!grid.is_null()) {
+  if (stated(grid)) {
     Json guns = Json::array();
     for (std::size_t row = 1; row < 4; ++row) {
       const bool has =
@@ -117,7 +118,7 @@ std::optional<double> gammaIn(const Json& fields, const std::string& file) {
     if (const auto gamma = meanGamma(guns, "gammaGrid", file)) return gamma;
   }
   const Json gamma = unwrapped(fields.value("gamma", Json()));
-  return gamma.is_null() ? std::nullopt : meanGamma(gamma, "gamma", file);
+  return stated(gamma) ? meanGamma(gamma, "gamma", file) : std::nullopt;
 }
 
 }  // namespace
@@ -153,8 +154,7 @@ ScreenCalibration readPsychoPyMonitor(const std::filesystem::path& file) {
       size_px[i] = static_cast<int>(std::clamp(size[i].get<double>(), 0.0, 1e6));
   }
   if (size_px.x < 16 || size_px.y < 16 || size_px.x > 16384 || size_px.y > 16384) {
-    throw InputError(name,
-                     "sizePix = " + size.dump().substr(0, 40) + ": expected two of 16 to 16384 px");
+    throw InputError(name, "sizePix = " + shown(size.dump()) + ": expected two of 16 to 16384 px");
   }
   const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
   const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;

@@ -25,9 +25,17 @@ void refuseDistance(const char* how, double distance_m) {
   throw InputError(how, significant(distance_m, 6) + " m: expected 0.1 to 10 m");
 }
 
-/// 16 x 9 or 16 x 10 cm: displays of any size state their ratio so.
+/// 16 x 9 or 16 x 10 cm: displays of any size state their ratio so, TVs 160 x 90 cm.
 bool mayBeRatio(const std::optional<glm::dvec2>& size_m) {
-  return size_m == glm::dvec2(0.16, 0.09) || size_m == glm::dvec2(0.16, 0.1);
+  return size_m == glm::dvec2(0.16, 0.09) || size_m == glm::dvec2(0.16, 0.1) ||
+         size_m == glm::dvec2(1.6, 0.9);
+}
+
+/// Whether a side in whole cm, which may be rounded generously, is that of the timing.
+bool sameSide(int mm, int cm) {
+  constexpr int kRounding_mm = 10, kRounding_percent = 15;
+  const int off_mm = std::abs(mm - 10 * cm);
+  return off_mm <= kRounding_mm || 10 * off_mm <= kRounding_percent * cm;
 }
 
 }  // namespace
@@ -114,7 +122,6 @@ EdidSize edidSize(std::span<const unsigned char> edid) {
   const unsigned sum = std::accumulate(edid.begin(), edid.begin() + kBlock, 0u);
   if (sum % 256 != 0) throw InputError("EDID", "wrong checksum");
   const auto byte = [&](std::size_t at) { return static_cast<int>(edid[at]); };
-  constexpr int kRounding_mm = 10;  // of whole centimetres
   const int width_cm = byte(21), height_cm = byte(22);
   EdidSize size;
   if (width_cm > 0 && height_cm > 0) size.size_m = glm::dvec2(width_cm, height_cm) / 100.0;
@@ -123,8 +130,7 @@ EdidSize edidSize(std::span<const unsigned char> edid) {
     const int width_mm = byte(kTiming + 12) | (byte(kTiming + 14) & 0xF0) << 4;
     const int height_mm = byte(kTiming + 13) | (byte(kTiming + 14) & 0x0F) << 8;
     const bool stated = width_mm > 0 && height_mm > 0;
-    const bool differs = std::abs(width_mm - 10 * width_cm) > kRounding_mm ||
-                         std::abs(height_mm - 10 * height_cm) > kRounding_mm;
+    const bool differs = !sameSide(width_mm, width_cm) || !sameSide(height_mm, height_cm);
     if (stated && differs && size.size_m && !mayBeRatio(size.size_m)) {
       size.warning = printed(
           "its detailed timing states %d x %d mm, and its bytes 21 and 22 %d x %d cm: the latter "

@@ -52,7 +52,7 @@ struct EdidSize {
 };
 
 /// Size that the display states (VESA E-EDID): the first detailed timing in mm, unless it is more
-/// than 1 cm off the centimetres of bytes 21 and 22.
+/// than 1 cm and 15 % off the centimetres of bytes 21 and 22.
 /// @throws InputError where the header or the checksum is wrong
 EdidSize edidSize(std::span<const unsigned char> edid);
 

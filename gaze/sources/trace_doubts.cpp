@@ -211,12 +211,12 @@ std::vector<std::string> screenDoubts(const Screen& screen) {
   const double ratio = pixel_m.x / pixel_m.y;
   doubts.add(ratio > kSquare || ratio < 1.0 / kSquare,
              "pixels are " + significant(ratio) +
-                 " times as wide as high: are the screen's pixels and metres of one screen "
-                 "(screen.size_px, screen.size_m)?");
+                 " times as wide as high: are the screen's size in pixels and its size in metres "
+                 "of one screen?");
   const double deg = glm::degrees(2.0 * std::atan(0.5 * screen.size_m.x / screen.distance_m));
   doubts.add(deg < kMinScreen_deg || deg > kMaxScreen_deg,
              "the screen is " + significant(deg) +
-                 " deg wide: are its metres right (screen.size_m, screen.distance_m)?");
+                 " deg wide: are its size in metres and its distance right?");
   return sentences;
 }
 

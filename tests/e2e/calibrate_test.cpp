@@ -122,7 +122,6 @@ TEST(CalibrateGaze, RefusesSmallTargetsOfNoStatedUnitAndTheFitsOwnSamples) {
   }
   folder.write("norm.txt", norm);
   folder.write("fit.tsv", pairsFile(20, 0.1));
-  folder.write("copy.tsv", pairsFile(20, 0.1));
   const std::vector<std::string> gaze{"calibrate", "gaze", "--out", "made.toml", "--pairs"};
   const auto with = [&](std::vector<std::string> options) {
     options.insert(options.begin(), gaze.begin(), gaze.end());
@@ -130,11 +129,18 @@ TEST(CalibrateGaze, RefusesSmallTargetsOfNoStatedUnitAndTheFitsOwnSamples) {
   };
   EXPECT_NE(refusedWithoutATrace(with({"norm.txt"}), folder).err.find("--units"),
             std::string::npos);
+  // Data loss at other moments makes no other samples, and alone it is none.
+  folder.write("copy.tsv", pairsFile(20, 0.1) + "n/a\tn/a\t0\t0\t99\n");
+  folder.write("lost.tsv", "x\ty\tx_target\ty_target\ttime_s\nn/a\tn/a\t0.000000\t0.000000\t0\n");
   for (const std::string file : {"fit.tsv", "copy.tsv"}) {
     const Outcome own = refusedWithoutATrace(with({"fit.tsv", "--validate", file}), folder);
     EXPECT_NE(own.err.find("--validate " + file), std::string::npos) << own.err;
   }
-  EXPECT_EQ(runFoci(with({"norm.txt", "--units", "deg"}), folder.path()).exit_code, 0);
+  EXPECT_EQ(runFoci(with({"fit.tsv", "--validate", "lost.tsv"}), folder.path())
+                .err.find("the samples of the fit"),
+            std::string::npos);
+  EXPECT_EQ(runFoci(with({"norm.txt", "--units", "deg", "--overwrite"}), folder.path()).exit_code,
+            0);
 }
 
 TEST(CalibrateGaze, RefusesInOneLine) {
@@ -316,7 +322,9 @@ TEST(CalibrateScreen, DoubtsOblongPixels) {
         .err;
   };
   EXPECT_EQ(warningOf("1920x1080"), "");
-  EXPECT_NE(warningOf("1080x1920").find("times as wide as high"), std::string::npos);
+  const std::string oblong = warningOf("1080x1920");
+  EXPECT_NE(oblong.find("times as wide as high"), std::string::npos) << oblong;
+  EXPECT_EQ(oblong.find("screen.size"), std::string::npos) << "a key, not an option: " << oblong;
 }
 
 TEST(RenderedScreen, DoubtsOblongPixels) {

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <random>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "calibration/binocular/fit_binocular.h"
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/fit_gaze_map.h"
@@ -131,7 +133,10 @@ TEST_F(CalibrationFiles, PsychoPyGivesGammaAsANumberAListOrAGrid) {
   EXPECT_DOUBLE_EQ(gamma(grid("[[0, 1, 1], [0, 1, 1], [0, 1, 1], [0, 1, 1]]")).value(), 1.8);
   EXPECT_THROW(gamma(grid("[[0, 1, 1], [0, 1, 1]]")), InputError);
   EXPECT_THROW(gamma(grid("[[0, 1, 1], [0, 1, 1], [0, 1, 1], [0, 1, 9]]")), InputError);
-  EXPECT_THROW(gamma(R"("gamma": "2.2")"), InputError);
+  for (const char* no_number : {R"("2.2")", R"({"__tuple__": [2.2, 2.2]})", "true"}) {
+    EXPECT_FALSE(gamma(R"("gamma": )" + std::string(no_number))) << no_number;
+    EXPECT_FALSE(gamma(R"("gammaGrid": )" + std::string(no_number))) << no_number;
+  }
 }
 
 TEST_F(CalibrationFiles, HostileMonitorsAreRefused) {
@@ -143,6 +148,19 @@ TEST_F(CalibrationFiles, HostileMonitorsAreRefused) {
         std::string(R"({"sizePix": [1920, 1080], "width": 53, "distance": 60, "gamma": 9})"),
         "{\"sizePix\": " + std::string(100000, '[')}) {
     EXPECT_NE(refusal(readPsychoPyMonitor, text), "") << text.substr(0, 60);
+  }
+}
+
+TEST_F(CalibrationFiles, WhatAMonitorStatesIsCutBetweenCharacters) {
+  std::string width = "\"x";
+  for (int i = 0; i < 40; ++i) width += "\u00e9";
+  const std::string why =
+      refusal(readPsychoPyMonitor,
+              R"({"sizePix": [1920, 1080], "distance": 50, "width": )" + width + "\"}");
+  EXPECT_NE(why.find("width"), std::string::npos) << why;
+  for (std::size_t i = 0; i < why.size();
+       i += std::max<std::size_t>(utf8Length(why.substr(i)), 1)) {
+    EXPECT_GT(utf8Length(why.substr(i)), 0u) << why;
   }
 }
 

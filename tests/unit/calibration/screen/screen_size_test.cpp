@@ -100,5 +100,19 @@ TEST(Edid, DoubtsADetailedTimingThatIsARatioOrInCentimetres) {
   }
 }
 
+TEST(Edid, TakesMillimetresBesideRoundCentimetres) {
+  const EdidSize size = edidSize(edidOf(597, 336, true, glm::ivec2(60, 32)));
+  EXPECT_EQ(*size.size_m, glm::dvec2(0.597, 0.336));
+  EXPECT_EQ(size.warning, "");
+}
+
+TEST(Edid, DoubtsThePlaceholderOfTvs) {
+  for (const bool detailed : {false, true}) {
+    const EdidSize size = edidSize(edidOf(1600, 900, detailed));
+    EXPECT_EQ(*size.size_m, glm::dvec2(1.6, 0.9));
+    EXPECT_NE(size.warning.find("160 x 90 cm"), std::string::npos) << size.warning;
+  }
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci
