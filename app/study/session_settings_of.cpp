@@ -46,9 +46,9 @@ Eyes eyesOf(const Study::Observer& observer) {
     return eyes;
   }
   // Higher orders that are rescaled to a smaller pupil have a second order there. A prescription
-  // holds at every pupil.
-  const bool is_prescribed =
-      observer.age_years || observer.sphere_D != 0.0 || observer.cylinder_D != 0.0;
+  // holds at every pupil, and only it gives a wavefront of higher orders alone its power.
+  const auto hasPower = [](const Wavefront& eye) { return power_D(eye) != glm::dvec3(0.0); };
+  const bool is_prescribed = observer.age_years || std::ranges::none_of(eyes.wavefronts, hasPower);
   const auto powerInUse_D = [&](const Wavefront& eye) {
     return power_D(is_prescribed ? eye : rescaled(eye, observer.pupil_mm / 1000.0));
   };

@@ -296,6 +296,18 @@ TEST(ObserverEye, GlassesComeOffWhileItRuns) {
   EXPECT_THROW(changeLive(study, session, "observer.axis_deg", "181"), InputError);
 }
 
+TEST(ObserverEye, APrescriptionOfNextToNothingMovesNoFarPoint) {
+  Study study = wallStudy();
+  study.observer.corrected = false;
+  study.observer.pupil_mm = 3.0;
+  study.observer.wavefront.zernike_um = {0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 0.2};
+  study.observer.wavefront_pupil_mm = 6.0;
+  for (const double sphere_D : {0.0, -0.01}) {
+    study.observer.sphere_D = sphere_D;
+    EXPECT_NEAR(sessionSettingsOf(study).observer.refraction.far_point_D, -sphere_D, 1e-6);
+  }
+}
+
 TEST(ObserverEye, WithoutGlassesHasTheMeasuredWavefrontWithinItsPupil) {
   Study study = wallStudy();
   study.observer.corrected = false;
