@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/optics/colours.h"
@@ -16,13 +18,17 @@ struct MeasuredEyes {
   std::optional<Wavefront> left, right;  ///< at least one
 };
 
+/// Cells of a line, without quotes. Inside brackets or quotes nothing separates: Z(2,-2).
+std::vector<std::string> cellsOf(std::string_view line, char separator);
+
 /// Reads a table of Zernike coefficients, separated by commas, semicolons, tabs or blanks:
 /// one row a term, with the columns `n` and `m`, or the single index (`j`, `index`, `osa`) or a
 /// name (`term`, `mode`), and the value (`um`, `nm`, `value`, `coefficient`, of the eye in the
 /// column `eye` or of both; or `right` or `OD` and `left` or `OS`); or one row an eye, with a
 /// column for each term (Z3, Z(2,-2), Z2-2) and the columns `eye` and `pupil_mm`. A row of two
 /// cells may give the pupil, `pupil_mm, 6`, or the unit, `unit, nm`. Values are micrometres unless
-/// a heading, a column `unit`, such a row or a comment says nm. Terms that are absent are 0.
+/// a heading, a column `unit`, such a row or, beside none of these, a comment says nm. Terms that
+/// are absent are 0.
 /// @param pupil_mm  diameter that the coefficients hold for, where the file names none
 /// @throws InputError naming file and line
 MeasuredEyes readWavefronts(const std::filesystem::path& file, std::optional<double> pupil_mm);
@@ -37,8 +43,9 @@ FieldAberrations readFieldAberrations(const std::filesystem::path& file);
 
 /// Reads the spectra of a display's primaries: a table with the columns wavelength (nm), red, green
 /// and blue, separated by commas, semicolons, tabs or blanks, and with a decimal comma beside
-/// semicolons and tabs. A heading (red or r, ...) gives the order of the colours; lines that begin
-/// with # are allowed. Powers have any unit, the same for all.
+/// semicolons and tabs. A heading (red or r, ...) gives the order of the colours, which is else
+/// that of their mean wavelengths; other lines above the numbers, and those that begin with #, are
+/// allowed. Powers have any unit, the same for all.
 /// @throws InputError naming file and line
 std::vector<SpectrumSample> readSpectra(const std::filesystem::path& file);
 

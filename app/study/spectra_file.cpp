@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -19,29 +20,59 @@ constexpr double kLeast_nm = 360.0, kMost_nm = 830.0;
 constexpr std::size_t kMostSamples = 10000;
 constexpr std::uintmax_t kMostBytes = 4 << 20;  // far above such a table
 
-using SpectraColumns = std::array<std::size_t, 4>;  // of wavelength, red, green and blue
-constexpr std::array kColours{"red", "green", "blue"};
+struct SpectraHeading {
+  std::size_t cells = 4;
+  std::array<std::size_t, 4> columns{};  ///< of wavelength, red, green and blue
+};
 
-/// As the heading names them: "Red (W)", "g". The wavelength is the first one.
-std::optional<SpectraColumns> columnsIn(const std::vector<std::string>& heading) {
-  SpectraColumns columns{};
-  for (std::size_t at = 0; at < heading.size(); ++at) {
-    const std::string cell = lowered(heading[at]);
-    const std::string name = cell.substr(0, cell.find_first_of(" _([,/"));
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (name != kColours[i] && name != std::string(1, kColours[i][0])) continue;
-      if (at == 0 || columns[i + 1] != 0) return std::nullopt;
-      columns[i + 1] = at;
+/// The heading that a line is, if it names the wavelength first and each colour once: "Red (W)",
+/// "g", "power.blue".
+std::optional<SpectraHeading> headingIn(std::string_view line) {
+  constexpr std::array<std::string_view, 3> colours{"red", "green", "blue"};
+  for (const char separator : {'\t', ';', ',', ' '}) {
+    std::vector<std::string> cells = cellsOf(line, separator);
+    if (separator == ' ') {  // wavelength (nm) red green blue
+      std::erase_if(cells, [](const auto& cell) { return cell.find_first_of("([") == 0; });
     }
+    SpectraHeading heading{.cells = cells.size()};
+    int named = 0;
+    for (std::size_t at = 0; at < cells.size(); ++at) {
+      std::string text = lowered(cells[at]);
+      std::ranges::replace_if(
+          text, [](char c) { return c < 'a' || c > 'z'; }, ' ');
+      for (const std::string_view word : wordsOf(text)) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          if (word != colours[i] && word != colours[i].substr(0, 1)) continue;
+          if (heading.columns[i + 1] == at) continue;  // "Red (R)"
+          heading.columns[i + 1] = at;
+          ++named;
+        }
+      }
+    }
+    const std::set distinct(heading.columns.begin(), heading.columns.end());
+    if (named == 3 && distinct.size() == 4) return heading;
   }
-  return std::ranges::count(columns, 0u) == 1 ? std::optional(columns) : std::nullopt;
+  return std::nullopt;
+}
+
+bool startsWithNumber(std::string_view line) {
+  const std::vector<std::string_view> words = wordsOf(line, " \t,;\"");
+  return !words.empty() && parseNumber(words[0]);
+}
+
+/// What separates the numbers of a line. Beside semicolons and tabs, commas are decimal.
+char separatorIn(std::string_view line) {
+  const auto holds = [&](std::string_view text) { return line.find(text) != line.npos; };
+  if (holds(";")) return ';';
+  if (holds("\t") && !holds(",\t")) return '\t';
+  return holds(",") ? ',' : ' ';
 }
 
 bool isRendered(const SpectrumSample& one) {
   return one.wavelength_nm > 400.0 && one.wavelength_nm < 700.0;
 }
 
-/// Whether the mean wavelengths are in the order of red, green and blue.
+/// Whether the mean wavelengths are in the order of red, green and blue, or equal.
 bool areInOrder(const std::vector<SpectrumSample>& spectra) {
   glm::dvec3 power(0.0), mean_nm(0.0);
   for (const SpectrumSample& one : spectra) {
@@ -50,74 +81,47 @@ bool areInOrder(const std::vector<SpectrumSample>& spectra) {
     mean_nm += one.wavelength_nm * one.red_green_blue;
   }
   mean_nm /= power;
-  return mean_nm.r > mean_nm.g && mean_nm.g > mean_nm.b;
+  constexpr double kEqual_nm = 1e-6;
+  return mean_nm.r >= mean_nm.g - kEqual_nm && mean_nm.g >= mean_nm.b - kEqual_nm;
 }
-
-/// Splits lines into cells, and reads numbers. Beside semicolons and tabs, commas are decimal.
-class SpectraCells {
- public:
-  explicit SpectraCells(const std::string& text) {
-    std::istringstream in(text);
-    for (std::string line; std::getline(in, line);) {
-      if (trimmed(line).starts_with('#')) continue;
-      decimal_comma_ |= line.find_first_of(";\t") != line.npos;
-      commas_ |= line.find(',') != line.npos;
-    }
-  }
-
-  std::vector<std::string> of(std::string_view line) const {
-    std::vector<std::string> cells;
-    for (const std::string_view cell : wordsOf(trimmed(line), decimal_comma_ ? ";\t"
-                                                              : commas_      ? ","
-                                                                             : " ")) {
-      cells.emplace_back(trimmed(cell));
-    }
-    return cells;
-  }
-
-  std::optional<double> number(std::string cell) const {
-    if (decimal_comma_) std::ranges::replace(cell, ',', '.');
-    return parseNumber(cell);
-  }
-
- private:
-  bool decimal_comma_ = false, commas_ = false;
-};
 
 }  // namespace
 
 std::vector<SpectrumSample> readSpectra(const std::filesystem::path& file) {
   const std::string text(withoutByteOrderMark(bytesOfFile(file, kMostBytes)));
-  const SpectraCells split(text);
   std::istringstream in(text);
   std::vector<SpectrumSample> spectra;
-  std::vector<std::string> heading;
-  SpectraColumns columns{0, 1, 2, 3};
+  std::optional<SpectraHeading> named;
+  std::string first;
+  char separator = ' ';
   int number = 0;
   for (std::string line; std::getline(in, line);) {
     ++number;
     const auto fail = [&](const std::string& what) {
       throw InputError(file.string() + ":" + std::to_string(number), what);
     };
-    const std::vector<std::string> cells = split.of(line);
-    if (cells.empty() || cells[0].starts_with('#')) continue;
-    if (spectra.empty() && !split.number(cells[0])) {
-      heading = cells;
-      continue;
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.starts_with('#')) continue;
+    if (spectra.empty()) {
+      if (first.empty()) first = content;
+      if (!startsWithNumber(content)) {
+        if (const auto heading = headingIn(content)) named = heading;
+        continue;
+      }
+      separator = separatorIn(content);
     }
-    if (spectra.empty() && !heading.empty()) {
-      const auto named = columnsIn(heading);
-      if (!named) fail("the heading above: expected wavelength_nm first, and red, green and blue");
-      columns = *named;
-    }
-    if (cells.size() != (heading.empty() ? 4 : heading.size())) {
+    std::vector<std::string> cells = cellsOf(content, separator);
+    while (!cells.empty() && cells.back().empty()) cells.pop_back();
+    const SpectraHeading heading = named.value_or(SpectraHeading{.columns = {0, 1, 2, 3}});
+    if (cells.size() <= std::ranges::max(heading.columns) || cells.size() > heading.cells) {
       fail(std::to_string(cells.size()) + " numbers: expected wavelength_nm, red, green, blue" +
-           (heading.size() > 4 ? ", and the others of the heading" : ""));
+           (heading.cells > 4 ? ", and the others of the heading" : ""));
     }
     std::array<double, 4> values{};
     for (std::size_t i = 0; i < 4; ++i) {
-      const std::string& cell = cells[columns[i]];
-      const auto value = split.number(cell);
+      std::string cell = cells[heading.columns[i]];
+      if (separator != ',') std::ranges::replace(cell, ',', '.');
+      const auto value = parseNumber(cell);
       if (!value || (i > 0 && *value < 0.0)) fail(shown(cell) + ": expected a number, 0 or more");
       values[i] = *value;
     }
@@ -129,6 +133,10 @@ std::vector<SpectrumSample> readSpectra(const std::filesystem::path& file) {
     }
     if (spectra.size() == kMostSamples) fail("expected at most 10000 wavelengths");
     spectra.push_back({values[0], {values[1], values[2], values[3]}});
+  }
+  if (spectra.empty()) {
+    throw InputError(file.string(),
+                     shown(first) + ": expected rows of wavelength_nm, red, green, blue");
   }
   glm::dvec3 light(0.0);
   for (const SpectrumSample& one : spectra) {
@@ -143,9 +151,9 @@ std::vector<SpectrumSample> readSpectra(const std::filesystem::path& file) {
     throw InputError(file.string(),
                      "a primary without light: expected red, green and blue above 0");
   }
-  if (heading.empty() && !areInOrder(spectra)) {
+  if (!named && !areInOrder(spectra)) {
     throw InputError(file.string(),
-                     "no heading, and the columns are not red, green, blue by their mean "
+                     "no heading of them, and the columns are not red, green, blue by their mean "
                      "wavelengths: expected a heading such as wavelength_nm,red,green,blue");
   }
   return spectra;

@@ -217,7 +217,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(screen.luminance_cd_m2, "luminance of white, cd/m^2", {1, 10000}),
       FOCI_KEY(screen.spectra,
                "table of the primaries' spectra for observer.chromatic: wavelength (nm), red, "
-               "green, blue; absent: one wavelength each"),
+               "green, blue, or as its heading names them; absent: one wavelength each"),
       FOCI_KEY(display.kind,
                "a fixed screen, or a headset, whose screen replaces [screen] and moves with the "
                "head; default for head poses without a [screen]",

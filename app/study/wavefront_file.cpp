@@ -35,28 +35,6 @@ std::string unquoted(std::string_view text) {
   return std::string(trimmed(text));
 }
 
-/// Cells of a line. A comma inside brackets or quotes does not separate: Z(2,-2).
-std::vector<std::string> cellsOf(std::string_view line, char separator) {
-  std::vector<std::string> cells(1);
-  int open = 0;
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    if (c == '(') ++open;
-    if (c == ')') --open;
-    const bool blank = separator == ' ' && (c == ' ' || c == '\t') && cells.back().empty();
-    if (blank) continue;
-    if (c == separator && open <= 0 && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  if (separator == ' ' && cells.back().empty()) cells.pop_back();
-  for (std::string& cell : cells) cell = unquoted(cell);
-  return cells;
-}
-
 /// The name of another order of the terms that a line states: as a cell of its own ("Noll"), or in
 /// a cell or comment about the order ("Noll index", "# ordering: Noll"). A name of a person or a
 /// file may hold the same letters; a line that also names OSA or ANSI only compares.
@@ -76,12 +54,15 @@ std::optional<std::string> otherOrderIn(const std::string& line, char separator)
   return alone || std::regex_search(line, about) ? std::optional(std::move(other)) : std::nullopt;
 }
 
-/// Whether a comment is about the coefficients. Its unit is then theirs.
-bool isAboutValues(const std::string& comment) {
-  static const std::regex about(
-      "(^|[^a-z])(units?|values?|coeff[a-z]*|zernikes?|wavefronts?|aberrations?|errors?)([^a-z]|$"
-      ")");
-  return comment.size() <= 1000 && std::regex_search(comment, about);
+/// What a comment states of the coefficients' unit, if anything: "units: nm", "coefficients (um)".
+std::string unitStatementIn(const std::string& comment) {
+  static const std::regex statement(
+      "((^|[.,;] *)(units?|values?)|(^|[^a-z])coeff[a-z]*)[ =:(\\[]*((in|is|are) +)?"
+      "(um|µm|μm|microns?|microm[a-z]*|nm|nanom[a-z]*|waves?(?![ -]*(aberr|front))|lambdas?|λ)"
+      "(?![a-z])");
+  std::smatch found;
+  const bool states = comment.size() <= 1000 && std::regex_search(comment, found, statement);
+  return states ? found.str() : "";
 }
 
 /// The table, while it is read.
@@ -94,11 +75,10 @@ class WavefrontTable {
     readRows();
     takeStatements();
     if (rows_.empty()) fail(0, "no coefficients: expected a table of Zernike coefficients");
-    noteNames();
-    const Row& head = rows_.front();
-    const auto terms =
-        std::ranges::count_if(head.cells, [&](const auto& cell) { return isNamed(cell); });
-    if (terms >= 2) {
+    const auto isTerm = [&](const std::string& cell) { return isNamed(cell); };
+    const bool is_wide = std::ranges::count_if(rows_.front().cells, isTerm) >= 2;
+    noteNames(is_wide);
+    if (is_wide) {
       readWide();
     } else {
       readLong();
@@ -144,7 +124,8 @@ class WavefrontTable {
         // A comment may hold the pupil, or the coefficients' unit.
         content = trimmed(content.substr(1));
         if (!lowered(content).starts_with("pupil")) {
-          if (isAboutValues(lowered(content))) takeUnit(line, std::string(content), unit_);
+          const std::string unit = unitStatementIn(lowered(content));
+          if (!unit.empty()) comments_.push_back({line, {unit}});
           continue;
         }
       }
@@ -160,6 +141,11 @@ class WavefrontTable {
         rows_.back().cells.pop_back();
       }
       if (rows_.back().cells.empty()) rows_.pop_back();
+    }
+    for (const Row& row : rows_) {
+      decimal_point_ |= std::ranges::any_of(row.cells, [](const std::string& cell) {
+        return cell.find('.') != cell.npos && parseNumber(cell);
+      });
     }
   }
 
@@ -195,13 +181,23 @@ class WavefrontTable {
            text.starts_with("analysis diameter") || text.starts_with("zone");
   }
 
+  static bool isUnit(std::string_view name) { return name == "unit" || name == "units"; }
+
+  /// Whether a column holds the coefficients' unit: mm beside the pupil is the pupil's.
+  bool isUnitColumn(std::size_t at) const {
+    const std::vector<std::string>& head = rows_.front().cells;
+    if (!isUnit(lowered(head[at]))) return false;
+    return at == 0 || !namesPupil(head[at - 1]) || rows_.size() < 2 ||
+           rows_[1].cells.size() <= at || lowered(rows_[1].cells[at]) != "mm";
+  }
+
   /// Takes rows such as `pupil_mm, 6`, `unit, nm` and `wavelength_nm, 555` out of the table.
   void takeStatements() {
     std::optional<double> named;
     std::erase_if(rows_, [&](const Row& row) {
       std::vector<std::string> cells = row.cells;
       const std::string name = lowered(cells[0]);
-      const bool unit = name.starts_with("unit");
+      const bool unit = isUnit(trimmed(std::string_view(name).substr(0, name.find_first_of("=:"))));
       const bool wavelength = name.starts_with("wavelength") || name.starts_with("lambda");
       if (!namesPupil(cells[0]) && !unit && !wavelength) return false;
       if (cells.size() == 1) {
@@ -232,21 +228,26 @@ class WavefrontTable {
     if (named) pupil_mm_ = named;
   }
 
-  /// Finds out whether names such as Z40 are a single index, or n and m.
-  void noteNames() {
+  /// Finds out whether names such as Z40 are a single index, or n and m. Tilt alone is no
+  /// wavefront.
+  void noteNames(bool is_wide) {
     static const std::regex signed_name("[ZzCc]\\d+[+-]\\d+"), single("[ZzCc]_?\\d+");
     static const std::regex pair("[ZzCc]_?(\\d)(\\d)");
+    bool has_heading = false;
+    const Columns columns = is_wide ? Columns{} : columnsOf(rows_.front(), has_heading);
+    const int column = std::max(columns.name >= 0 ? columns.name : columns.index, 0);
     std::string ambiguous;
     int line = 0;
     bool all_are = true;
     for (const Row& row : rows_) {
-      for (const std::string& cell : row.cells) {
-        const std::string name = withoutUnit(cell);
+      for (std::size_t c = 0; c < row.cells.size(); ++c) {
+        if (is_wide ? &row != &rows_.front() : static_cast<int>(c) != column) continue;
+        const std::string name = withoutUnit(row.cells[c]);
         signed_names_ |= std::regex_match(name, signed_name);
         if (!std::regex_match(name, single)) continue;
         std::smatch parts;
         all_are &= std::regex_match(name, parts, pair) && indexOfPair(parts[1], parts[2]);
-        if (line > 0) continue;
+        if (line > 0 || !all_are || indexOfPair(parts[1], parts[2]) < 3) continue;
         line = row.line;
         ambiguous = name;
       }
@@ -267,7 +268,7 @@ class WavefrontTable {
   /// The single index of a term's name: Z5, Z(2,-2), Z2-2, C_4.
   std::optional<int> indexOf(const std::string& cell) const {
     std::smatch parts;
-    if (numberIn(cell)) return std::nullopt;  // 6,0 beside semicolons
+    if (!decimal_point_ && numberIn(cell)) return std::nullopt;  // 6,0 beside semicolons
     static const std::regex pair(
         "[ZzCc]?_?\\(?\\s*(\\d{1,2})\\s*[, _^]\\s*([+-]?\\d{1,2})\\s*\\)?");
     static const std::regex joined("[ZzCc](\\d{1,2})([+-]\\d{1,2})"), digits("[ZzCc](\\d)(\\d)");
@@ -287,13 +288,12 @@ class WavefrontTable {
 
   /// Micrometres in the unit of coefficients that a text names; nothing where it names none.
   std::optional<double> unitIn(int line, const std::string& words) const {
-    // "at 555 nm", "lambda = 555", "for a pupil of 6 mm"
-    static const std::regex other(
-        "\\d{3,}(\\.\\d+)?[ _]*nm|(lambda|λ)[ =:]*\\d[\\d.]*|(pupil|diameter|radius)[^,;.]*mm|"
-        "\\d *mm");
+    // "at 555 nm", "lambda = 555", "for 6 mm"
+    static const std::regex other("\\d{3,}(\\.\\d+)?[ _-]*nm|(lambda|λ)[ =:]*\\d[\\d.]*|\\d *mm");
     static const std::regex waves("(^|[^a-z])(waves?(?![ -]*(aberr|front))|lambdas?)([^a-z]|$)|λ");
-    static const std::regex um("(^|[^a-z])(um|µm|μm|microns?|microm.*)([^a-z]|$)");
-    static const std::regex nm("(^|[^a-z])(nm|nanom.*)([^a-z]|$)"), mm("(^|[^a-z])mm([^a-z]|$)");
+    static const std::regex um("(^|[^a-z])(um|µm|μm|microns?|microm[a-z]*)([^a-z]|$)");
+    static const std::regex nm("(^|[^a-z])(nm|nanom[a-z]*)([^a-z]|$)"),
+        mm("(^|[^a-z])mm([^a-z]|$)");
     const std::string text = std::regex_replace(lowered(words), other, "");
     if (std::regex_search(text, waves)) {
       fail(line, shown(words) + ": expected micrometres, not waves");
@@ -317,12 +317,16 @@ class WavefrontTable {
     takeUnit(row.line, cell, unit);
   }
 
-  /// Micrometres of one of the unit that a heading, a cell of the row or a comment names.
+  /// Micrometres of one of the unit that a heading, a cell of the row or else a comment names.
   double unitOf(const Row& head, int column, const Row& row, int unit_column) const {
     std::optional<double> unit = unit_;
     if (column >= 0) takeUnit(head.line, head.cells[static_cast<std::size_t>(column)], unit);
-    if (unit_column >= 0) {
-      takeUnitCell(row, row.cells[static_cast<std::size_t>(unit_column)], unit);
+    const auto at = static_cast<std::size_t>(unit_column);
+    if (at < row.cells.size() && !row.cells[at].empty()) {
+      takeUnitCell(row, row.cells[at], unit);
+    }
+    if (!unit) {
+      for (const Row& comment : comments_) takeUnit(comment.line, comment.cells[0], unit);
     }
     if (!unit && wavelength_line_ > 0) {
       fail(wavelength_line_,
@@ -375,7 +379,7 @@ class WavefrontTable {
       const auto index = indexOf(withoutUnit(head.cells[c]));
       if (index && !seen.insert(*index).second) failTwice(head, *index);
       if (lowered(head.cells[c]) == "eye") eye_column = static_cast<int>(c);
-      if (isUnit(lowered(head.cells[c]))) unit_column = static_cast<int>(c);
+      if (isUnitColumn(c)) unit_column = static_cast<int>(c);
       if (namesPupil(head.cells[c])) pupil_column = static_cast<int>(c);
     }
     if (rows_.size() < 2) fail(head.line, "a heading without a row of coefficients");
@@ -383,7 +387,8 @@ class WavefrontTable {
       fail(rows_[2].line, "a second row: expected a column eye, with one row for each eye");
     }
     for (std::size_t r = 1; r < rows_.size(); ++r) {
-      const Row& row = rows_[r];
+      Row row = rows_[r];
+      if (unit_column == static_cast<int>(row.cells.size())) row.cells.emplace_back();  // blank
       if (row.cells.size() != head.cells.size()) {
         fail(row.line, std::to_string(row.cells.size()) + " cells: expected " +
                            std::to_string(head.cells.size()) + ", as in the heading");
@@ -404,8 +409,6 @@ class WavefrontTable {
       keep(row, side, eye);
     }
   }
-
-  static bool isUnit(const std::string& heading) { return heading == "unit" || heading == "units"; }
 
   void keep(const Row& row, int side, const std::optional<Wavefront>& eye) {
     for (const int one : {-1, 1}) {
@@ -441,13 +444,13 @@ class WavefrontTable {
       }
       if (namesPupil(text)) columns.pupil = at;
       if (is({"eye"})) columns.eye = at;
-      if (isUnit(text)) columns.unit = at;
+      if (isUnitColumn(c)) columns.unit = at;
       if (is({"right", "right eye", "od", "r", "re"})) columns.right = at;
       if (is({"left", "left eye", "os", "l", "le"})) columns.left = at;
     }
     has_heading = columns.value >= 0 || columns.right >= 0 || columns.left >= 0;
     if (has_heading) return columns;
-    for (const std::string& cell : head.cells) unitIn(head.line, cell);  // refuses waves
+    for (const std::string& cell : head.cells) unitIn(head.line, cell);  // refuses waves and mm
     if (head.cells.size() == 2) return {.index = 0, .name = 0, .value = 1};
     if (head.cells.size() == 3) return {.n = 0, .m = 1, .value = 2};
     fail(head.line,
@@ -503,7 +506,7 @@ class WavefrontTable {
     for (std::size_t r = has_heading ? 1 : 0; r < rows_.size(); ++r) {
       const Row& row = rows_[r];
       const int most = std::max({columns.n, columns.m, columns.index, columns.name, columns.value,
-                                 columns.right, columns.left, columns.eye, columns.unit});
+                                 columns.right, columns.left, columns.eye});
       if (static_cast<int>(row.cells.size()) <= most) {
         fail(row.line, std::to_string(row.cells.size()) + " cells: expected at least " +
                            std::to_string(most + 1));
@@ -530,14 +533,37 @@ class WavefrontTable {
   std::string file_;
   std::optional<double> pupil_mm_;
   std::vector<Row> rows_;
-  std::optional<double> unit_;  ///< micrometres in the unit that a comment or a row states
+  std::optional<double> unit_;  ///< micrometres in the unit that a row states
+  std::vector<Row> comments_;   ///< each states the unit
   int wavelength_line_ = 0;     ///< of a row that states it
   bool decimal_comma_ = false;
-  bool signed_names_ = false;  ///< some names are such as Z3-1; Z40 is then n = 4, m = 0
+  bool decimal_point_ = false;  ///< in some cell: 3,1 is then a term
+  bool signed_names_ = false;   ///< some names are such as Z3-1; Z40 is then n = 4, m = 0
   MeasuredEyes eyes_;
 };
 
 }  // namespace
+
+std::vector<std::string> cellsOf(std::string_view line, char separator) {
+  std::vector<std::string> cells(1);
+  int open = 0;
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == '(') ++open;
+    if (c == ')') --open;
+    const bool blank = separator == ' ' && (c == ' ' || c == '\t') && cells.back().empty();
+    if (blank) continue;
+    if (c == separator && open <= 0 && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  if (separator == ' ' && cells.back().empty()) cells.pop_back();
+  for (std::string& cell : cells) cell = unquoted(cell);
+  return cells;
+}
 
 MeasuredEyes readWavefronts(const std::filesystem::path& file, std::optional<double> pupil_mm) {
   return WavefrontTable(file, pupil_mm).read();

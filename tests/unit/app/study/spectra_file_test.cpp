@@ -69,16 +69,31 @@ TEST(SpectraFile, TheHeadingNamesTheColours) {
   std::string decimal_comma = "nm;red;green;blue\n" + rows(400, 700, ";");
   std::ranges::replace(decimal_comma, '.', ',');
   expectColours(decimal_comma);
-  for (const char* heading : {"nm,x,y,z", "nm,red,green", "nm,red,red,green,blue", "red,nm,g,b"}) {
-    EXPECT_EQ(refusal(heading + ("\n" + rows(400, 700))),
-              "spectra.csv:2: the heading above: expected wavelength_nm first, and red, green and "
-              "blue")
-        << heading;
+  const std::string commas = rows(400, 700), blanks = rows(400, 700, " ");
+  expectColours("\"nm\",\"blue\",\"green\",\"red\"\n" + rows(400, 700, ",", "bgr"));
+  expectColours("nm,power.blue,power.green,power.red\n" + rows(400, 700, ",", "bgr"));
+  expectColours("nm,blue-primary,green-primary,red-primary\n" + rows(400, 700, ",", "bgr"));
+  expectColours("wavelength (nm) blue green red\n" + rows(400, 700, " ", "bgr"));
+  expectColours("nm,blueish,bg,Red,Green,Blue\n" + rows(400, 700, ",", "bgrgb"));
+  expectColours("wavelength,blue,green,red\nnm,W,W,W\n" + rows(400, 700, ",", "bgr"));
+  expectColours("nm,red,green,blue,notes\n" + commas);
+  expectColours("nm,\tred,\tgreen,\tblue\n" + rows(400, 700, ",\t"));
+  expectColours("nm;red;green;blue\n" + rows(400, 700, ";\t"));
+  expectColours("nm, red, green, blue\n" + rows(400, 700, "\t"));
+  expectColours("nm , red , green , blue\n" + rows(400, 700, " , "));
+  expectColours("nm red green blue ;\n" + blanks);
+  expectColours("Measured on 2 May, 2024\nnm red green blue\n" + blanks);
+  expectColours("PR-655; 2024-01-02\nnm,red,green,blue\n" + commas);
+  for (const char* heading : {"made by hand", "nm,x,y,z", "nm,red,red,green,blue", "red,nm,g,b"}) {
+    expectColours(heading + ("\n" + commas));
   }
-  EXPECT_EQ(refusal(rows(400, 700, ",", "bgr")),
-            "spectra.csv: no heading, and the columns are not red, green, blue by their mean "
-            "wavelengths: expected a heading such as wavelength_nm,red,green,blue");
+  EXPECT_EQ(
+      refusal(rows(400, 700, ",", "bgr")),
+      "spectra.csv: no heading of them, and the columns are not red, green, blue by their mean "
+      "wavelengths: expected a heading such as wavelength_nm,red,green,blue");
 }
+
+TEST(SpectraFile, ADisplayMayBeGrey) { EXPECT_EQ(read(rows(400, 700, ",", "ggg")).size(), 16u); }
 
 TEST(SpectraFile, RefusesWhatCanBeMisread) {
   EXPECT_EQ(refusal("500,1,2\n"),
@@ -86,6 +101,11 @@ TEST(SpectraFile, RefusesWhatCanBeMisread) {
   EXPECT_EQ(refusal("0.5,1,1,1\n"), "spectra.csv:1: wavelength \"0.5\": expected nm, 360 to 830");
   EXPECT_EQ(refusal("500,1,1,1\n500,1,1,1\n"),
             "spectra.csv:2: wavelength \"500\": expected above the one before");
+  EXPECT_EQ(refusal("# made up\nno spectra\n"),
+            "spectra.csv: \"no spectra\": expected rows of wavelength_nm, red, green, blue");
+  EXPECT_EQ(refusal("nm,white,red,green,blue\n500,1,1,1\n"),
+            "spectra.csv:2: 4 numbers: expected wavelength_nm, red, green, blue, and the others of "
+            "the heading");
   EXPECT_EQ(refusal("500,1,-1,1\n"), "spectra.csv:1: \"-1\": expected a number, 0 or more");
   EXPECT_EQ(refusal(rows(520, 700)),
             "spectra.csv: expected at least 8 wavelengths, from 500 nm or less to 600 nm or more");

@@ -60,6 +60,15 @@ INSTANTIATE_TEST_SUITE_P(
         "pupil_mm,6\nunit,nm\nj,value\n4,500\n8,-250\n",
         "pupil_mm,6\nwavelength_nm,555\nj,um\n4,0.5\n8,-0.25\n",
         "pupil_mm,6\nOSA index,Noll index,um\n4,4,0.5\n8,8,-0.25\n",
+        "# Units: nm\npupil_mm,6\nj,um\n4,0.5\n8,-0.25\n",
+        "# values in waves\npupil_mm,6\nn,m,value,unit\n2,0,500,nm\n3,1,-250,nm\n",
+        "# Zernike coefficients in nm, wavelength 0.555 um\npupil_mm,6\nj,c\n4,500\n8,-250\n",
+        "pupil_mm,6\nn,m,value,unit\n2,0,0.5,um\n3,1,-0.25,\n",
+        "eye,pupil,unit,Z4,Z8\nOD,6,mm,0.5,-0.25\nOS,6,mm,0.5,-0.25\n",
+        "j,value,unit,pupil,unit\n4,500,nm,6,mm\n8,-250,nm,6,mm\n",
+        "pupil_mm;6\nterm;um\n2,0;0.5\n3,1;-0.25\n",
+        "subject,eye,pupil_mm,Z4,Z8\nC22,OD,6,0.5,-0.25\nC22,OS,6,0.5,-0.25\n",
+        "pupil_mm,6\nterm,um,comment\nZ2_0,0.5,c22\nZ3_1,-0.25,\n",
         "pupil_mm,6\n\"n\",\"m\",\"Right Eye\",\"Left Eye\"\n2,0,0.5,0.5\n3,1,-0.25,-0.25\n"));
 
 TEST_P(Layouts, HoldTheSameEye) {
@@ -98,10 +107,28 @@ TEST(WavefrontFile, RefusesUnitsThatCanBeMisread) {
             "eye.csv:2: \"waves\": expected micrometres, not waves");
   EXPECT_EQ(refusal("pupil_mm,6\nj,coefficient (mm)\n4,0.5\n"),
             "eye.csv:2: \"coefficient (mm)\": expected um or nm, not mm");
-  EXPECT_EQ(refusal("# units: nm\npupil_mm,6\nj,um\n4,0.5\n"),
+  EXPECT_EQ(refusal("units,nm\npupil_mm,6\nj,um\n4,0.5\n"),
             "eye.csv:3: \"um\": a second unit: expected one for each coefficient");
+  EXPECT_EQ(refusal("Unit 3 Eye Clinic, 2024\npupil_mm,6\nj,um\n4,0.5\n"),
+            "eye.csv:1: index = \"Unit 3 Eye Clinic\": expected a number");
   EXPECT_EQ(refusal("wavelength_nm,555\n" + table),
             "eye.csv:1: a wavelength, as for waves, and no unit: expected a heading um or nm");
+}
+
+TEST(WavefrontFile, ACommentThatOnlyHoldsAUnitStatesNone) {
+  for (const std::string comment :
+       {"RMS wavefront error: 85 nm", "RMS wavefront error: 0.25 waves",
+        "Zernike coefficients, wavelength (nm): 555", "Zernike coefficients; aperture (mm) below",
+        "Wavefront coefficients, pupil coordinates x and y in mm", "lambda_nm: 555",
+        "Zernike coefficients for 555-nm light", "Zernike coefficients, wavelength 0.84 um",
+        "wavefront error relative to a plane wave, um", "values over a pupil with radius (mm)",
+        "Zernike coefficients in um, not in waves", "Wavefront sensor wavelength [nm]: 840",
+        "errors: none; grid step 0.2 mm", "units: um, D for refraction"}) {
+    expectTheEye(read("# " + comment + "\npupil_mm,6\nj,value\n4,0.5\n8,-0.25\n").right);
+  }
+  for (const std::string comment : {"unit = nm", "OSA; units: nm", "coefficients [nm], OSA"}) {
+    expectTheEye(read("# " + comment + "\npupil_mm,6\nj,value\n4,500\n8,-250\n").right);
+  }
 }
 
 TEST(WavefrontFile, RefusesTermsThatCanBeMisread) {
@@ -115,6 +142,7 @@ TEST(WavefrontFile, RefusesTermsThatCanBeMisread) {
   }
   EXPECT_EQ(refusal("pupil_mm,6\nZ20_um,Z3-1_um,Z11_um\n0.5,0.1,0\n"), "read");
   EXPECT_EQ(refusal("pupil_mm,6\nZ4,Z11\n0.5,0.1\n"), "read");
+  EXPECT_EQ(refusal("pupil_mm,6\nterm,um\nZ11,0.2\n"), "read");
   EXPECT_EQ(refusal("pupil_mm;6\nterm;um\n2,0;0,5\n"),
             "eye.csv:3: index \"2,0\": expected 0 to 65, or a name such as Z2_0");
 }
