@@ -10,7 +10,6 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -93,10 +92,12 @@ class AscReader {
     }
     endBlock();
     requireSamples();
-    if (!drifts_deg_.empty()) {
+    double drift_deg = 0.0;
+    for (const auto& drift : drifts_deg_) drift_deg = std::max(drift_deg, drift.second);
+    if (drift_deg > 0.0) {
       header_.warnings.push_back(
           counted(drifts_deg_.size(), "drift correction") + " over 2 deg, of " +
-          significant(std::ranges::max(drifts_deg_ | std::views::values)) +
+          significant(drift_deg) +
           " deg at most: the calibration no longer held, so check the gaze nearby");
     }
     header_.trials =
