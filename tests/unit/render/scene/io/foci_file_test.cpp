@@ -65,11 +65,10 @@ SurfelCloud few(bool with_opacity) {
 }
 
 TEST_F(FociFileTest, BringsBackTheOrigin) {
-  for (const SurfelOrigin& origin :
-       {SurfelOrigin{}, SurfelOrigin{.mesh = true},
-        SurfelOrigin{.plain_colors = true, .up_axis = 0},
-        SurfelOrigin{.mesh = true, .plain_colors = true, .up_axis = 2},
-        SurfelOrigin{.up_axis = 1, .y_is_down = true}}) {
+  for (const SurfelOrigin& origin : {SurfelOrigin{}, SurfelOrigin{.mesh = true},
+                                     SurfelOrigin{.plain_colors = true, .up_axis = 0},
+                                     SurfelOrigin{.mesh = true, .plain_colors = true, .up_axis = 2},
+                                     SurfelOrigin{.up_axis = 1, .y_is_down = true}}) {
     writeSceneFile(path_, {{few(true)}, origin});
     EXPECT_EQ(readSceneFile(path_).origin, origin);
   }
