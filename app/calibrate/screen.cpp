@@ -143,7 +143,8 @@ void calibrateScreen(const CalibrateScreenOptions& options) {
   }
 
   const Screen& screen = calibration.screen;
-  for (const std::string& doubt : screenDoubts(screen)) warnings.add(doubt);
+  const ScreenNames names{"--size-px", "--size-m", "--distance-m"};
+  for (const std::string& doubt : screenDoubts(screen, names)) warnings.add(doubt);
   std::optional<double> edid_off;
   if (edid_m) edid_off = disagreement(screen.size_m, *edid_m);
   if (edid_off && *edid_off > kEdidTolerance) {

@@ -204,19 +204,19 @@ bool hasZerosOfOneAxis(const Positions& at, Doubts& doubts) {
 
 }  // namespace
 
-std::vector<std::string> screenDoubts(const Screen& screen) {
+std::vector<std::string> screenDoubts(const Screen& screen, const ScreenNames& names) {
   std::vector<std::string> sentences;
   Doubts doubts(sentences);
   const glm::dvec2 pixel_m = screen.size_m / glm::dvec2(screen.size_px);
   const double ratio = pixel_m.x / pixel_m.y;
   doubts.add(ratio > kSquare || ratio < 1.0 / kSquare,
              "pixels are " + significant(ratio) +
-                 " times as wide as high: are the screen's size in pixels and its size in metres "
-                 "of one screen?");
+                 " times as wide as high: are the screen's pixels and metres of one screen (" +
+                 names.size_px + ", " + names.size_m + ")?");
   const double deg = glm::degrees(2.0 * std::atan(0.5 * screen.size_m.x / screen.distance_m));
   doubts.add(deg < kMinScreen_deg || deg > kMaxScreen_deg,
-             "the screen is " + significant(deg) +
-                 " deg wide: are its size in metres and its distance right?");
+             "the screen is " + significant(deg) + " deg wide: are its metres right (" +
+                 names.size_m + ", " + names.distance_m + ")?");
   return sentences;
 }
 

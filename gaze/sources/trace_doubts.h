@@ -52,6 +52,12 @@ class Doubts {
   std::vector<std::string>& warnings_;
 };
 
+/// How the user states a screen.
+struct ScreenNames {
+  std::string size_px = "screen.size_px", size_m = "screen.size_m",
+              distance_m = "screen.distance_m";
+};
+
 /// What looks wrong in gaze in space: a wrong frame, axis, unit or order of columns still gives
 /// lines of sight.
 class SpaceDoubts {
@@ -75,7 +81,7 @@ class SpaceDoubts {
 /// What looks wrong in a screen's geometry: pixels that are not square, or an impossible width. A
 /// sentence each.
 /// @param screen  with resolution, size and distance known
-std::vector<std::string> screenDoubts(const Screen& screen);
+std::vector<std::string> screenDoubts(const Screen& screen, const ScreenNames& names = {});
 
 /// "12 %"
 std::string percent(double share);
