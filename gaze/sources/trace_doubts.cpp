@@ -10,6 +10,7 @@
 
 #include "base/quantile.h"
 #include "base/text.h"
+#include "base/transformed.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/recording_formats.h"
 
@@ -271,9 +272,7 @@ void TraceDoubts::add(const GazeSample& sample) {
 }
 
 std::vector<glm::dvec2> TraceDoubts::points_px() const {
-  std::vector<glm::dvec2> points_px;
-  for (const Kept& kept : kept_.kept()) points_px.push_back(kept.point_px);
-  return points_px;
+  return transformed(kept_.kept(), &Kept::point_px);
 }
 
 /// Doubts about data loss, the clock and the pupil.

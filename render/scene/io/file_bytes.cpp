@@ -5,6 +5,7 @@
 #include <bit>
 #include <fstream>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/memory_budget.h"
 
@@ -61,6 +62,11 @@ std::vector<unsigned char> inflated(std::span<const unsigned char> packed, std::
 }
 
 }  // namespace
+
+std::string unpackedExtension(const std::filesystem::path& file) {
+  const std::string extension = lowerExtension(file);
+  return extension == ".gz" ? lowerExtension(file.stem()) : extension;
+}
 
 FileBytes::FileBytes(const std::filesystem::path& path, bool unpacks_gzip) : name_(path.string()) {
   std::error_code error;

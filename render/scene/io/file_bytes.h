@@ -20,6 +20,9 @@
 
 namespace foci {
 
+/// The extension of a file in lower case, with its dot; of x.ply.gz ".ply".
+std::string unpackedExtension(const std::filesystem::path& file);
+
 /// A whole file, mapped into memory. Little endian.
 class FileBytes {
  public:

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/file_bytes.h"
@@ -153,8 +152,7 @@ std::optional<std::string> wordsOfContent(const FileStart& start, const SceneFor
 }  // namespace
 
 FileStart::FileStart(const std::filesystem::path& file)
-    : path(file), extension(lowerExtension(file)), bytes(firstBytes(file, 4 * kStart)) {
-  if (extension == ".gz") extension = lowerExtension(file.stem());
+    : path(file), extension(unpackedExtension(file)), bytes(firstBytes(file, 4 * kStart)) {
   gzip = isGzip(bytes);
   if (gzip) {
     const std::vector<unsigned char> packed = std::move(bytes);

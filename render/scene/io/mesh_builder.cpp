@@ -357,9 +357,8 @@ void MeshBuilder::showHidden(SceneFacts& facts) {
   for (MaterialFacts& material : facts.materials) material.opacity = 1.0f;
   facts.opacity.x = 1.0f;
   remark(
-      "its materials would hide every face (`Tr 1`, an opacity of 0, or a texture with an alpha of "
-      "0 "
-      "everywhere): shown opaque");
+      "its materials would hide every face (`Tr 1`, an opacity of 0, or a texture with an alpha "
+      "of 0 everywhere): shown opaque");
 }
 
 /// Where the colours come from, of what the triangles use. A colour for each material tells nothing

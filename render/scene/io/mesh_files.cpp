@@ -32,13 +32,6 @@ std::vector<unsigned char> imageBytes(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Without its folders, of any system.
-std::string plainFileName(std::string_view path) {
-  std::string name(plainName(path));
-  std::ranges::replace(name, '\\', '/');
-  return fs::path(name).filename().string();
-}
-
 /// See `MeshTextures::read`. The grey is the luma of ITU-R BT.601.
 DecodedImage maskOf(DecodedImage image) {
   std::vector<std::uint8_t>& rgba = image.rgba;
@@ -120,7 +113,9 @@ std::optional<DecodedImage> MeshTextures::image(const ImageSource& source, const
     if (!bytes.empty()) image = decoded(bytes);
   }
   if (image) return image;
-  remarks_.push_back("texture " + shown(plainFileName(source.name)) +
+  std::string name(plainName(source.name));
+  std::ranges::replace(name, '\\', '/');
+  remarks_.push_back("texture " + shown(fs::path(name).filename().string()) +
                      (source.name.find("<UDIM>") != std::string::npos
                           ? " stands for many tiles, and foci shows one texture for a material: "
                             "join them; "

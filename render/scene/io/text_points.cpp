@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "render/scene/io/file_bytes.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
 
@@ -220,8 +220,7 @@ struct Triples {
 class TextPointsReader {
  public:
   explicit TextPointsReader(const std::filesystem::path& path)
-      : input_(path),
-        is_pts_(lowerExtension(lowerExtension(path) == ".gz" ? path.stem() : path) == ".pts") {
+      : input_(path), is_pts_(unpackedExtension(path) == ".pts") {
     // COLMAP's names stand in comments, which other programs leave out.
     if (path.stem() == "points3D") name(columnsNamed(kColmapNames));
   }

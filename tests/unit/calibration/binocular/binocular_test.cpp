@@ -152,14 +152,29 @@ std::string warningsOf(const std::vector<BinocularSample>& samples) {
   return all;
 }
 
-TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
-  std::mt19937_64 random(8);
+/// With z towards the observer.
+Tracker trackerOfTobii() {
   Tracker t = tracker();
   t.head_m = 0.1;
-  // As Tobii's: z towards the observer.
   t.truth.translation_m.z = -t.truth.translation_m.z;
   t.truth.kappa_rad = {};
-  const auto good = record(t, 10, random);
+  return t;
+}
+
+/// The same eyes in another frame of the tracker.
+std::vector<BinocularSample> turned(std::vector<BinocularSample> samples, const glm::dvec3& turn) {
+  for (BinocularSample& sample : samples) {
+    for (auto& eye : sample.eyes) {
+      eye->centre_m *= turn;
+      eye->direction *= turn;
+    }
+  }
+  return samples;
+}
+
+TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
+  std::mt19937_64 random(8);
+  const auto good = record(trackerOfTobii(), 10, random);
   EXPECT_EQ(refusalOf(good), "");
   EXPECT_EQ(warningsOf(good), "");
   const auto changed = [&](const auto& change) {
@@ -187,43 +202,25 @@ TEST(FitBinocular, RefusesMirroredTargetsExchangedEyesAndOtherUnits) {
     s.eyes[0]->centre_m *= 0.1;
   });
   // Pupil Core's frame: it may be right, so it is named.
-  const auto turned = changed([](BinocularSample& s) {
-    for (auto& eye : s.eyes) {
-      eye->centre_m *= glm::dvec3(1.0, -1.0, -1.0);
-      eye->direction *= glm::dvec3(1.0, -1.0, -1.0);
-    }
-  });
-  EXPECT_NE(warningsOf(turned).find("its y down"), std::string::npos) << warningsOf(turned);
+  const std::string said = warningsOf(turned(good, {1.0, -1.0, -1.0}));
+  EXPECT_NE(said.find("its y down"), std::string::npos) << said;
 }
 
 TEST(FitBinocular, TakesTheFrameOfACameraThatFacesTheObserver) {
   std::mt19937_64 random(9);
-  Tracker t = tracker();
-  t.head_m = 0.1;
-  t.truth.translation_m.z = -t.truth.translation_m.z;
-  t.truth.kappa_rad = {};
-  const auto good = record(t, 10, random);
+  const auto good = record(trackerOfTobii(), 10, random);
   // OpenCV's, with y down; OpenGL's, with y up.
   for (const glm::dvec3& turn : {glm::dvec3(-1.0, -1.0, 1.0), glm::dvec3(-1.0, 1.0, -1.0)}) {
-    auto turned = good;
-    for (BinocularSample& sample : turned) {
-      for (auto& eye : sample.eyes) {
-        eye->centre_m *= turn;
-        eye->direction *= turn;
-      }
-    }
-    EXPECT_NE(warningsOf(turned).find("observer's left"), std::string::npos) << turn.y;
-    for (BinocularSample& sample : turned) sample.eyes[0].reset();
-    EXPECT_NE(refusalOf(turned).find("x_target_mm"), std::string::npos) << "one eye cannot tell";
+    auto samples = turned(good, turn);
+    EXPECT_NE(warningsOf(samples).find("observer's left"), std::string::npos) << turn.y;
+    for (BinocularSample& sample : samples) sample.eyes[0].reset();
+    EXPECT_NE(refusalOf(samples).find("x_target_mm"), std::string::npos) << "one eye cannot tell";
   }
 }
 
 TEST(FitBinocular, TakesEyesNearerOrFartherThanAnAdults) {
   std::mt19937_64 random(10);
-  Tracker t = tracker();
-  t.head_m = 0.1;
-  t.truth.translation_m.z = -t.truth.translation_m.z;
-  t.truth.kappa_rad = {};
+  const Tracker t = trackerOfTobii();
   const auto good = record(t, 10, random);
   const auto apart = [&](double ipd_m) {
     auto samples = good;
