@@ -59,9 +59,9 @@ std::string constants(std::string_view names, const Values&... values) {
 std::string sharedConstants() {
   std::string text = constant("kNone", GpuJob::kNone) +
                      constant("kSeveral", std::uint32_t{Facing::kSeveral}) +
-                     constant("kLinearFromBlurred", kBlurredRamp.linear_to) +
+                     constant("kLinearToBlurred", kBlurredRamp.linear_to) +
                      constant("kOpaqueFromBlurred", kBlurredRamp.opaque_from) +
-                     constant("kLinearFromSharp", kSharpRamp.linear_to) +
+                     constant("kLinearToSharp", kSharpRamp.linear_to) +
                      constant("kOpaqueFromSharp", kSharpRamp.opaque_from) +
                      constant("kLinearToHole", kHoleRamp.linear_to) +
                      constant("kOpaqueFromHole", kHoleRamp.opaque_from) +
@@ -71,7 +71,7 @@ std::string sharedConstants() {
          FOCI_SHARED(kHidden, kOverlap, kWidestSupport2, kReach2, kLargest_px2, kOpaqueWeight,
                      kNoise, kAnother, kPartial, kDensityPeak, kDensityBend, kArcSine,
                      kDiscVariancePerRadius2, kTile, kApron, kMostSamples, kMaxStep_px, kKeyBits,
-                     kSigmasAStep, kBlurredSteps, kSubAperturesFrom_px, kSubAperturesOnly_px,
+                     kSigmasAStep, kBlurredSteps, kRippleSteps, kSubAperturesFrom_px, kSubAperturesOnly_px,
                      kLongAxis, kComaOverlap, kMinTilt, kLeastCos2, kRounding, kHighlight, kFiner,
                      kCoarser, kFrontCover, kTwoSurfaces, kMeanScale, kMeanNoise, kFoldScale,
                      kFoldMean, kSegmentBend, kChord12, kChord4, kChord0, kHalfDiscMoment, kCutFade,

@@ -91,6 +91,18 @@ struct CoverageRamp {
 /// `Sweep.RendersNothingBehindAnOpaqueSheet` bound them.
 inline constexpr CoverageRamp kSharpRamp{0.85f, 0.95f}, kBlurredRamp{0.98f, 0.995f};
 
+/// Blur radius, in distances of samples, that leaves hardly any of the ripple. Chosen by hand:
+/// twice as much made edges worse, half as much surfaces; `ClosedSurfaces.LeakNoBackgroundAtCrests`
+/// bounds it.
+inline constexpr float kRippleSteps = 4.0f;
+
+/// The ramp under the blur of the whole aperture.
+inline CoverageRamp rampUnderBlur(float blur_steps) {
+  const float t = std::min(blur_steps / kRippleSteps, 1.0f);
+  return {glm::mix(kSharpRamp.linear_to, kBlurredRamp.linear_to, t),
+          glm::mix(kSharpRamp.opaque_from, kBlurredRamp.opaque_from, t)};
+}
+
 /// For an unblurred layer whose kernels lie all around the pixel (`pixelCoverageOf`): no edge lies
 /// there, so what the kernels lack is a hole of their sum, as at crests. Gaps between leaves cover
 /// less, or lie beside one edge. Chosen by hand; `ClosedSurfaces` tests bound it.

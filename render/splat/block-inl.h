@@ -124,19 +124,20 @@ HWY_INLINE V weightByQuarters(const Sums& sums, std::size_t i, V scale) {
 /// and no quarter of the lens counts for more than a quarter. Folds on one side of a covered lens
 /// shift the mean, and uneven sampling leaves quarters open, so the larger bound holds.
 template <bool kLens>
-HWY_INLINE Covering coveringOf(const Sums& sums, std::size_t i, float coverage_a_weight) {
+HWY_INLINE Covering coveringOf(const Sums& sums, std::size_t i, float coverage_a_weight,
+                               const CoverageRamp& ramp) {
   const D d;
   const V weight = hn::Load(d, sums.weight + i), per = hn::Set(d, coverage_a_weight);
   const float* const summed = kLens ? sums.lens_weight : sums.weight;
   const V inv = hn::Div(hn::Set(d, 1.0f), hn::Max(hn::Load(d, summed + i), hn::Set(d, 1e-20f)));
   Covering c{.weight = weight,
-             .share = shareOf(weight, per, kLens ? kBlurredRamp : kSharpRamp),
+             .share = shareOf(weight, per, ramp),
              .x = hn::Mul(hn::Load(d, sums.mean_x + i), inv),
              .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv)};
   const V length = hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y)));
   if constexpr (kLens) {
     const V segment = segmentShare(length);
-    const V quarters = shareOf(weightByQuarters(sums, i, hn::Mul(weight, inv)), per, kBlurredRamp);
+    const V quarters = shareOf(weightByQuarters(sums, i, hn::Mul(weight, inv)), per, ramp);
     c.share = hn::Min(c.share, hn::Max(quarters, hn::Mul(segment, per)));
   } else {  // `pixelCoverageOf`
     const V straight = straightnessOf(weight, length), closed = shareOf(weight, per, kHoleRamp);

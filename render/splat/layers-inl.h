@@ -40,9 +40,12 @@ struct Layers {
   bool overlap = false;  // somewhere layers cover each other in part
 
   const float coverage_a_weight;
+  const CoverageRamp ramp;
 
-  Layers(int samples_a_side, float coverage)
-      : columns(static_cast<unsigned>(samples_a_side) / kBlock), coverage_a_weight(coverage) {
+  Layers(int samples_a_side, float coverage, const CoverageRamp& ramp_of_tile)
+      : columns(static_cast<unsigned>(samples_a_side) / kBlock),
+        coverage_a_weight(coverage),
+        ramp(ramp_of_tile) {
     for (Block& block : blocks()) {
       block.facing = block.back_facing = Sums{};
       std::fill_n(block.far_m, kBlockSamples, kClosed);
@@ -121,7 +124,7 @@ struct Layers {
                     .seen = one};
 
     // The side of the surface that faces the eye.
-    Covering all = coveringOf<kLens>(block.facing, i, coverage_a_weight);
+    Covering all = coveringOf<kLens>(block.facing, i, coverage_a_weight, ramp);
     if constexpr (kLens) findOverlap(block, i, which, all.weight, closing.transmittance);
     V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
     if constexpr (kTransparent) {
@@ -133,7 +136,7 @@ struct Layers {
     // no ray sees both: the back counts where it lies beside the front.
     V back = hn::Zero(d), more = hn::Zero(d);
     if (any_back_facing) {
-      const Covering other = coveringOf<kLens>(block.back_facing, i, coverage_a_weight);
+      const Covering other = coveringOf<kLens>(block.back_facing, i, coverage_a_weight, ramp);
       back = hn::Min(other.weight, hn::Set(d, kOpaqueWeight));
       more = besideFront(edgeOf(all), edgeOf(other));
       all.join(other, more);

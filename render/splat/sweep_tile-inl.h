@@ -63,7 +63,7 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
   std::size_t fragments = 0;
 
   explicit Sweep(const TileJob& tile_job)
-      : Base(tile_job.samples, tile_job.coverage), job(tile_job) {}
+      : Base(tile_job.samples, tile_job.coverage, kLens ? tile_job.ramp : kSharpRamp), job(tile_job) {}
 
   /// Adds the splats of the batch, block by block, and empties it.
   HWY_INLINE void flush(const Splat* splats) {

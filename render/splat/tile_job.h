@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 
+#include "render/kernel/kernel.h"
 #include "render/optics/lens_field.h"
 #include "render/splat/splat.h"
 #include "render/splat/sweep.h"
@@ -29,6 +30,7 @@ struct TileJob {
   float per_step;           // 1 / the distance of samples, pixels
   float background[3];
   float coverage;                // times a layer's weight (`closingFactor`)
+  CoverageRamp ramp;             // under the blur of the whole aperture
   const SplatLens* lens;         // null: nothing is blurred
   const SplatLens* lens_across;  // null: the lens is round
   glm::vec2 radius_px_per_D;

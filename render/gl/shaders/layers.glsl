@@ -1,9 +1,9 @@
 // The layers of one sample: what render/splat/layers-inl.h, block-inl.h and edges-inl.h do for a
 // SIMD vector of samples. LENS: the sums keep lens points.
 #ifdef LENS
-const float kLinearTo = kLinearFromBlurred, kOpaqueFrom = kOpaqueFromBlurred;
+vec2 ramp;  // of the tile: linear to, opaque from
 #else
-const float kLinearTo = kLinearFromSharp, kOpaqueFrom = kOpaqueFromSharp;
+const vec2 ramp = vec2(kLinearToSharp, kOpaqueFromSharp);
 #endif
 
 struct Sums {
@@ -80,7 +80,7 @@ float rampOf(float weight, float coverage, float linear_to, float opaque_from) {
 }
 
 float shareOf(float weight, float coverage) {
-  return rampOf(weight, coverage, kLinearTo, kOpaqueFrom);
+  return rampOf(weight, coverage, ramp.x, ramp.y);
 }
 
 #ifndef LENS

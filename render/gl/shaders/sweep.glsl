@@ -254,6 +254,10 @@ void main() {
   uint to = placeOf(index, group.here);
   bool exists = group.exists;
   coverage = closingFactor(blur_px[index]);
+#ifdef LENS
+  ramp = mix(vec2(kLinearToSharp, kOpaqueFromSharp), vec2(kLinearToBlurred, kOpaqueFromBlurred),
+             min(blur_px[index] / (kRippleSteps * float(tiles[index].w)), 1.0));
+#endif
   meridian = meridian_oblong.xy;
   oblong = meridian_oblong.zw;
   vec2 shift_px = vec2(0.0);
