@@ -43,7 +43,7 @@ GazeTable::GazeTable(const std::filesystem::path& file, const Screen& screen)
   out_ << "# screen_width_px=" << screen.size_px.x << " screen_height_px=" << screen.size_px.y
        << " screen_width_m=" << exactText(screen.size_m.x)
        << " screen_height_m=" << exactText(screen.size_m.y)
-       << " viewing_distance_m=" << exactText(screen.distance_m) << " units=px\n"
+       << " viewing_distance_m=" << exactText(screen.distance_m) << " units=px rows=samples\n"
        << "time_s\tx_px\ty_px\tblink\tpupil_mm\tuncertainty_deg\tleft_x_px\tleft_y_px\tright_x_px\t"
           "right_y_px\n";
 }

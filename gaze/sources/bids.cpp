@@ -185,7 +185,7 @@ TraceHeader readEye(const fs::path& file, const BidsMetadata& metadata,
                          "name them with gaze.x and gaze.y");
   }
   LineReader lines(file);
-  TablePreamble before{.screen = metadata.screen()};
+  TablePreamble before{.screen = metadata.screen(), .of_samples = true};
   const double rate_Hz = metadata.number("SamplingFrequency").value_or(0.0);
   if (rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz) before.rate_Hz = rate_Hz;
   TextRows rows(lines, before, names);

@@ -216,11 +216,11 @@ class Grouper {
           RowGroups& groups)
       : survey_(survey), names_(names), layout_(layout), groups_(groups) {}
 
-  void group() {
+  void group(bool of_samples) {
     findPeople();
     findEye();
     findDevice();
-    findForeign();
+    if (!of_samples) findForeign();
     if (!groups_.eye) findOthers();
     findWatched();
   }
@@ -358,7 +358,7 @@ RowGroups groupRows(Rows& rows, const ColumnNames& names, const TableLayout& lay
     groups.only.push_back({.at = names.at(name), .values = {value}});
   }
   const Survey survey(rows, names, layout);
-  Grouper(survey, names, layout, groups).group();
+  Grouper(survey, names, layout, groups).group(rows.before().of_samples);
   return groups;
 }
 

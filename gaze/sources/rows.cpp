@@ -61,6 +61,7 @@ void readKeys(const LineReader& lines, std::string_view line, TablePreamble& pre
     if (key == "sampling_Hz") {
       preamble.rate_Hz = numberIn(lines, key, text, 5.0, 20000.0, "5 to 20000");
     }
+    if (key == "rows") preamble.of_samples = text == "samples";
     if (key == "screen_width_px") preamble.screen.size_px.x = pixels();
     if (key == "screen_height_px") preamble.screen.size_px.y = pixels();
     if (key == "screen_width_m") preamble.screen.size_m.x = metres();
@@ -368,6 +369,7 @@ NumberRows::NumberRows(std::string source, std::vector<std::string> names,
                        std::vector<double> values, const TablePreamble& before)
     : values_(std::move(values)) {
   before_ = before;
+  before_.of_samples = true;
   source_ = std::move(source);
   names_ = std::move(names);
 }

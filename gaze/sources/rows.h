@@ -28,6 +28,7 @@ struct TablePreamble {
   std::optional<char> separator{};  ///< between fields, as a first line `sep=;` states it
   bool tobii_studio = false;        ///< the file begins like those of Tobii Studio 1 and 2
   bool of_scene_camera = false;     ///< the positions
+  bool of_samples = false;          ///< each row: none is of a mouse, a sensor or an event
 };
 
 /// "px", "deg", "normalised", "relative" and their usual synonyms.

@@ -202,6 +202,18 @@ TEST(RowGroups, DataLossAloneIsNotSkipped) {
   EXPECT_EQ(read(text).samples.size(), kSamples);
 }
 
+// A tracker measures both eyes in turn, and does not see one of them.
+TEST(RowGroups, RowsOfATableOfSamplesAreNeverSkipped) {
+  std::string text = "time_s,x_px,y_px\n";
+  for (int i = 0; i < 2 * kSamples; ++i) {
+    text +=
+        std::to_string(i / kRate_Hz) + (i % 2 ? ",,\n" : "," + std::to_string(gazeX(i)) + ",300\n");
+  }
+  EXPECT_EQ(read(text).samples.size(), kSamples);
+  EXPECT_NEAR(static_cast<double>(read("# rows=samples\n" + text).samples.size()), 2.0 * kSamples,
+              1.0);
+}
+
 // Most samples are lost, at random: that is no other device, whose rows are left out.
 TEST(RowGroups, ScatteredDataLossIsLoss) {
   for (const bool has_validity : {false, true}) {
