@@ -100,10 +100,24 @@ void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
       ++unread_;
       continue;
     }
+    if (isLossOfOneEye(topic.to_string_view(), sample->point_px.has_value(), now_s)) continue;
     const std::size_t before = samples.size();
     clock_.take({*sample}, now_s, samples);
     for (std::size_t k = before; k < samples.size(); ++k) note(samples[k], now_s);
   }
+}
+
+/// Whether only this eye is lost, and not the other. Pupil Capture sends such a loss at once, but
+/// the other eye's gaze ten samples later, with earlier times (RealtimeMatcher,
+/// gaze_mapping/matching.py).
+bool PupilSource::isLossOfOneEye(std::string_view topic, bool has_point, double now_s) {
+  constexpr double kSeen_s = 0.25;  // longer than those ten samples at 60 Hz
+  const std::string_view eyes = topic.substr(std::min(topic.size(), sizeof("gaze.3d.") - 1));
+  const bool both = eyes.starts_with("01");
+  for (const int eye : {0, 1}) {
+    if (both || eyes.starts_with(std::to_string(eye))) seen_s_[eye] = has_point ? now_s : -INFINITY;
+  }
+  return !both && !has_point && now_s - std::max(seen_s_[0], seen_s_[1]) <= kSeen_s;
 }
 
 void PupilSource::note(const GazeSample& sample, double now_s) {

@@ -1,6 +1,8 @@
 // Live gaze from Pupil Core over the network: `pupil:HOST:PORT`.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -22,6 +24,7 @@ std::optional<GazeSample> parsePupilMessage(std::string_view topic, std::string_
                                             const Screen& screen);
 
 /// Asks Pupil Remote for the port of its data (ZeroMQ REQ, "SUB_PORT") and subscribes to "gaze.".
+/// The loss of one eye is no sample while the other has gaze.
 /// If no answer comes, or no sample can be used for two seconds, it asks again, without end.
 class PupilSource : public LiveSource {
  public:
@@ -41,6 +44,7 @@ class PupilSource : public LiveSource {
   void ask(double now_s);
   void subscribe(double now_s);
   void receive(double now_s, std::vector<GazeSample>& samples);
+  bool isLossOfOneEye(std::string_view topic, bool has_point, double now_s);
   void note(const GazeSample& sample, double now_s);
 
   std::string host_;
@@ -48,6 +52,7 @@ class PupilSource : public LiveSource {
   Screen screen_;
   std::unique_ptr<Sockets> sockets_;
   double since_s_ = 0.0;  // time of the latest request, or of the latest sample that was used
+  std::array<double, 2> seen_s_{-INFINITY, -INFINITY};  // when an eye's latest message had gaze
   SenderClock clock_{};
   std::size_t unread_ = 0;              // messages of gaze that are damaged
   std::optional<double> last_s_{};      // time of the latest sample

@@ -42,7 +42,9 @@ std::string datum(const GazeSample& sample, bool integers) {
       packer.pack(std::to_string(eye));
     }
   };
-  packer.pack_map(5);
+  packer.pack_map(6);
+  packer.pack("norm_pos");
+  packer.pack(std::vector<double>{0.5, 0.5});
   packer.pack("topic");
   packer.pack("gaze.3d.01.");
   packer.pack("timestamp");
@@ -146,8 +148,8 @@ class Sender {
     remote_.send(zmq::buffer(std::to_string(portOf(data_))), zmq::send_flags::none);
     ++asked;
   }
-  void send(const GazeSample& sample, bool integers) {
-    data_.send(zmq::str_buffer("gaze.3d.01."), zmq::send_flags::sndmore);
+  void send(const GazeSample& sample, bool integers, const std::string& topic = "gaze.3d.01.") {
+    data_.send(zmq::buffer(topic), zmq::send_flags::sndmore);
     data_.send(zmq::buffer(datum(sample, integers)), zmq::send_flags::none);
   }
   int asked = 0;
@@ -265,6 +267,41 @@ TEST(PupilSource, FollowsTheClockOfTheSender) {
   ASSERT_EQ(facts.clock->steps, 2u);
   EXPECT_NEAR(facts.clock->latest_steps[0].ahead_s, -1000.0, 0.05);
   EXPECT_NEAR(facts.clock->latest_steps[1].ahead_s, 5900.0, 0.05);
+}
+
+// Pupil Capture sends the loss of an eye at once, and the gaze of the other one ten samples late.
+TEST(PupilSource, TheLossOfOneEyeIsNoneWhileTheOtherHasGaze) {
+  Sender sender;
+  PupilSource source("127.0.0.1", sender.port(), kScreen);
+  std::vector<GazeSample> received;
+  double now_s = 0.0;
+  const auto send = [&](const char* topic, double time_s, double confidence) {
+    GazeSample sample = lookingAt(time_s, {0, 0, -0.6});
+    sample.confidence = confidence;
+    sender.send(sample, false, topic);
+  };
+  const auto play = [&](double seconds, bool right_eye_has_gaze) {
+    for (int i = 0; i < static_cast<int>(seconds / 0.005); ++i) {
+      now_s += 0.005;
+      sender.pump();
+      send("gaze.2d.1.", now_s, 0.1);
+      if (right_eye_has_gaze) send("gaze.2d.0.", now_s - 0.052, 0.9);
+      if (!right_eye_has_gaze) send("gaze.2d.0.", now_s + 0.001, 0.1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      source.poll(now_s, received);
+    }
+  };
+  play(1.0, true);
+  received.clear();
+  const std::size_t dropped = source.sender().dropped;
+  play(1.0, true);
+  EXPECT_NEAR(static_cast<double>(received.size()), 200.0, 10.0);
+  for (const GazeSample& sample : received) EXPECT_TRUE(sample.point_px);
+  EXPECT_EQ(source.sender().dropped, dropped);
+  received.clear();
+  play(1.0, false);  // the loss of both eyes is one
+  EXPECT_GT(received.size(), 150u);
+  EXPECT_FALSE(received.back().point_px);
 }
 
 // Messages that are thrown away are no sign of life: foci asks again.
