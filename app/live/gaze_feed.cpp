@@ -56,8 +56,8 @@ void GazeFeed::run(const std::stop_token& stop) {
     const std::lock_guard lock(mutex_);
     now_s_ = now_s;
     holdGaze(news);
-    note(news, std::move(sender), now_s);
     status_ = std::move(status);
+    note(news, std::move(sender), now_s);
     polls_ended_ = polls_begun_;
     polled_.notify_all();
   }
@@ -97,9 +97,11 @@ void GazeFeed::note(const std::vector<GazeSample>& news, SenderFacts&& sender, d
   // Pushed samples have been answered: they are kept (`push`).
   const bool keeps = source_.pushed || waiting_.size() < kMaxWaiting;
   if (keeps) waiting_.insert(waiting_.end(), news.begin(), news.end());
-  if (!source_.mouse && !source_.player) {  // a seek brings seconds of gaze at once
-    const std::size_t dropped = sender.dropped - std::min(sender.dropped, sender_.dropped);
-    logLine(keeps ? watch_.arrive(now_s, news, dropped, sender.why)
+  const std::size_t dropped = sender.dropped - std::min(sender.dropped, sender_.dropped);
+  const bool may_pause = source_.pushed && news.empty() && dropped == 0;  // between trials
+  // A seek brings seconds of gaze at once.
+  if (!source_.mouse && !source_.player && !may_pause) {
+    logLine(keeps ? watch_.arrive(now_s, news, dropped, dropped > 0 ? sender.why : status_)
                   : watch_.arrive(now_s, {}, dropped + news.size(), kOverflow));
   }
   if (sender.clock && sender_.clock && sender.clock->steps > sender_.clock->steps &&
@@ -199,19 +201,21 @@ std::string countOf(std::size_t count, const char* what) {
 std::string GazeWatch::arrive(double now_s, const std::vector<GazeSample>& samples,
                               std::size_t dropped, const std::string& why) {
   all_dropped_ += dropped;
-  if (!looked_ || (samples.empty() && dropped == 0)) return "";
+  if (!looked_) return "";
   if (!since_s_) since_s_ = now_s;
   dropped_ += dropped;
-  if (dropped > 0) why_ = why;
   for (const GazeSample& sample : samples) {
     const bool has_point = sample.point_px && !sample.blink;
     ++(has_point ? pointed_ : pointless_);
     if (has_point) oldest_s_ = std::max(oldest_s_, now_s - sample.time_s);
   }
+  const bool arrives = dropped_ + pointless_ + pointed_ > 0;
+  if (dropped > 0 || !arrives) why_ = why;
   if (now_s - *since_s_ <= kUnused_s) return "";
-  const std::string reasons = this->reasons(now_s);
-  remark_ = "gaze arrives, but none of it has been used for " + decimal(now_s - *since_s_, 0) +
-            " s: " + reasons;
+  const std::string reasons = arrives ? this->reasons(now_s) : "none arrives (" + why_ + ")";
+  remark_ = (arrives ? "gaze arrives, but none of it has been used for "
+                     : "gaze has not been used for ") +
+            decimal(now_s - *since_s_, 0) + " s: " + reasons;
   const bool begins = !std::exchange(unused_now_, true);
   if (begins && unused_.size() < kMaxTimes)
     unused_.push_back({.from_s = *since_s_, .to_s = now_s, .why = {}});

@@ -18,14 +18,14 @@
 
 namespace foci {
 
-/// The one rule against silence: whenever gaze arrives, but none of it is used for more than a
-/// second, this says so and why. Window, log, record and the answers to the sender show its remark.
+/// The one rule against silence: whenever no gaze is used for more than a second, this says so and
+/// why. Window, log, record and the answers to the sender show its remark.
 class GazeWatch {
  public:
-  /// Gaze has arrived.
+  /// Gaze has arrived, or might have.
   /// @param samples  that the eye gets
   /// @param dropped  how many others there were
-  /// @param why      the latest of those was dropped
+  /// @param why      the latest of those was dropped, or the status of a source without news
   /// @return a line for the log; "" mostly
   std::string arrive(double now_s, const std::vector<GazeSample>& samples, std::size_t dropped,
                      const std::string& why);

@@ -88,7 +88,7 @@ class Landings {
   Durations to_full_;
 };
 
-/// Gaze arrived during this time, and none of it was used.
+/// No gaze was used during this time.
 struct UnusedGaze {
   double from_s = 0.0, to_s = 0.0;
   std::string why;
@@ -99,8 +99,7 @@ struct GazeReception {
   std::optional<ClockFacts> clock{};  ///< of the sender; absent: the samples have our times
   std::size_t dropped = 0;            ///< samples that arrived and were not given to the eye
   std::vector<UnusedGaze> unused{};   ///< longer than a second each
-  /// "gaze arrives, but none of it has been used for 3 s: ..."; empty while gaze is used, or none
-  /// arrives.
+  /// "gaze arrives, but none of it has been used for 3 s: ..."; empty while gaze is used.
   std::string remark{};
 };
 

@@ -43,10 +43,9 @@ std::vector<GazeSample> loss(double now_s) { return {{.time_s = now_s}}; }
 std::vector<GazeSample> none(double) { return {}; }
 bool never(double) { return false; }
 
-TEST(GazeWatch, IsSilentWhileGazeIsUsedOrNoneArrives) {
+TEST(GazeWatch, IsSilentWhileGazeIsUsed) {
   for (const Arrival& arrival :
        {Arrival{.samples = gaze, .uses_gaze = [](double) { return true; }},
-        Arrival{.samples = none, .uses_gaze = never},
         // Blinks of 0.8 s.
         Arrival{.samples = loss, .uses_gaze = [](double s) { return s - int(s) < 0.2; }}}) {
     const Told told = play(arrival);
@@ -72,6 +71,11 @@ TEST(GazeWatch, SaysAfterASecondThatNoneIsUsedAndWhy) {
   EXPECT_NE(dropped.log[0].find("104 samples dropped, because they are odd"), std::string::npos)
       << dropped.log[0];
   EXPECT_EQ(dropped.watch.dropped(), 500u);
+
+  const Told silent = play({.samples = none, .uses_gaze = never});
+  ASSERT_EQ(silent.log.size(), 1u);
+  EXPECT_EQ(silent.remark_at_3_s, "gaze has not been used for 3 s: none arrives (they are odd)");
+  EXPECT_EQ(silent.watch.unused().size(), 1u);
 
   const Told old =
       play({.samples = [](double now_s) { return gaze(now_s - 2.5); }, .uses_gaze = never});
