@@ -46,7 +46,7 @@ class LiveWindow {
   void takeFrames();
   void requireRecord();
   void draw();
-  void showFrame(bool keeps_shape);
+  void showFrame(bool of_headset);
   void showOutside();
   void shown(double swap_s);
   void toggleRecord();

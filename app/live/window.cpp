@@ -304,13 +304,13 @@ void LiveWindow::showOutside() {
 
 /// Fills the window, or its corner above the outside view. A headset's view keeps its shape. On a
 /// screen the image is the study's whole screen.
-void LiveWindow::showFrame(bool keeps_shape) {
+void LiveWindow::showFrame(bool of_headset) {
   const int views = headset_ ? 2 : 1;
   GpuTexture* const on_gpu = frame_->texture.get();
   const glm::ivec2 image_px = on_gpu ? on_gpu->size_px() : in_texture_->size_px;
   const glm::ivec2 view_px = image_px / glm::ivec2(views, 1);
   const glm::ivec2 window_px = window_->frameBufferSize_px();
-  area_ = keeps_shape ? Area::inside(window_px, view_px) : Area{.size_px = window_px};
+  area_ = Area::inside(window_px, of_headset ? view_px : screen_.size_px);
   showOutside();
   if (on_gpu) {
     texture_->fillFrom(on_gpu->beginShow(), image_px, area_, views);

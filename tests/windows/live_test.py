@@ -362,6 +362,23 @@ def render_on_the_gpu(observer, foci, out):
     assert worst <= 2, worst
 
 
+def keep_the_shape(_, foci, out):
+    """A window of another shape than the study's screen shows all of it, undistorted."""
+    observer = Observer(320, 320)
+    try:
+        program, experiment = start(observer, foci, out + "/plane.toml", "--set", "scene.background=[1, 1, 1]")
+        observer.look(160, 160)
+        observer.press("F11")
+        experiment.until(lambda s: s["gaze_px"] == [960, 540], "looking at the middle")
+        experiment.rendered(0.5)
+        rows = observer.pixels()[2]
+        assert not any(rows[60]) and not any(rows[260]), "320 x 180 of the 320 x 320 px"
+        assert any(rows[75]) and any(rows[245])
+        leave(program, experiment)
+    finally:
+        observer.close()
+
+
 def main():
     foci, out = sys.argv[1], os.path.abspath(sys.argv[2]) + "/live"
     shutil.rmtree(out, ignore_errors=True)
@@ -382,7 +399,8 @@ def main():
             observer.close()
 
     # Two observers play at the same time, each before a display of their own.
-    others = [(scrub_a_recording,), (push_gaze,), (place_an_object,), (kill_the_program,), (render_on_the_gpu,)]
+    others = [(scrub_a_recording,), (push_gaze,), (place_an_object,), (kill_the_program,), (render_on_the_gpu,),
+              (keep_the_shape,)]
     if len(sys.argv) > 4:
         others.append((lose_a_pupil_core, sys.argv[4]))
     with concurrent.futures.ThreadPoolExecutor() as pool:
