@@ -236,6 +236,7 @@ def lose_a_pupil_core(observer, foci, out, pupil):
         time.sleep(0.1)
     observer.screenshot(out + "/live-pupil-lost.png")
     assert signs(observer) >= without + 50, "no warning about the missing gaze"
+    assert "none arrives" in experiment.until(lambda s: s["gaze_remark"], "told so")["gaze_remark"]
     serve(port, FAR)
     print(experiment.until(lambda s: s["gaze_state"] == "fixation" and s["focus_D"] < 1, "reconnected"))
     leave(program, experiment)
