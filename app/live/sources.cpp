@@ -197,6 +197,7 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
                      "expected mouse, trace:FILE, pupil:HOST:PORT, lsl[:NAME], socket[:RATE] or "
                      "webcam[:N|FILE]");
   }
+  if (!named.player) addScreenDoubts(study, named.warnings);
   return named;
 }
 

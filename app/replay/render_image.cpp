@@ -10,7 +10,6 @@
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/trace_doubts.h"
 #include "render/image/image_file.h"
 #include "render/methods/quality_level.h"
 
@@ -47,9 +46,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   if (request.focus_D) settings.focus.fixed_D = request.focus_D;
   constexpr double kRate_Hz = 1000.0;  // of no samples
   Session session(settings, scene, settings.screen, kRate_Hz, 0.0);
-  if (study.display.kind == DisplayKind::screen) {
-    for (const std::string& doubt : screenDoubts(settings.screen)) warnings.add(doubt);
-  }
+  addScreenDoubts(study, warnings);
   warnings.add(eyeRemark(study));
   if (const std::string device = session.deviceOf(settings.method);
       settings.device == RenderDevice::gpu || !device.starts_with("the CPU")) {

@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/live/simulator.h"
+#include "gaze/sources/trace_doubts.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
@@ -129,9 +130,15 @@ GazeTrace loadNamedGaze(const Study& study) {
 
 }  // namespace
 
+void addScreenDoubts(const Study& study, Warnings& warnings) {
+  if (study.display.kind != DisplayKind::screen) return;
+  for (const std::string& doubt : screenDoubts(study.screenInForce())) warnings.add(doubt);
+}
+
 GazeTrace loadGaze(const Study& study, Warnings& warnings) {
   GazeTrace trace = loadNamedGaze(study);
   warnings.addAll(study.gaze.source, trace.warnings);
+  if (study.gazeIsSimulated() || webcamPlaceOf(study.gaze.source)) addScreenDoubts(study, warnings);
   trace.rate_Hz = study.record.rate_Hz.value_or(trace.rate_Hz);
   return trace;
 }

@@ -16,6 +16,9 @@ namespace foci {
 /// @throws InputError
 GazeTrace loadGaze(const Study& study, Warnings& warnings);
 
+/// What looks wrong in the study's screen, where no recording tells (`screenDoubts`).
+void addScreenDoubts(const Study& study, Warnings& warnings);
+
 /// Prints what was assumed about the recording. Call it once all inputs are read: of bad input only
 /// the error is printed.
 void sayAssumptions(const Study& study, const GazeTrace& trace);

@@ -332,13 +332,17 @@ TEST(RenderedScreen, DoubtsOblongPixels) {
   folder.write("study.toml", smallStudy());
   folder.write("scene.ply", squarePly(8, 1.0));
   folder.write("trace.tsv", steadyTrace());
-  const auto warningOf = [&](const std::string& size_m) {
-    return runFoci({"render", "study.toml", "--set", "screen.size_m=" + size_m, "--out", "a.png"},
-                   folder.path())
-        .err;
+  const auto warns = [&](const std::string& size_m, const std::vector<std::string>& options) {
+    std::vector<std::string> words{options[0], "study.toml", "--set", "screen.size_m=" + size_m};
+    words.insert(words.end(), options.begin() + 1, options.end());
+    return runFoci(words, folder.path()).err.find("times as wide as high") != std::string::npos;
   };
-  EXPECT_EQ(warningOf("[0.4, 0.3]").find("times as wide as high"), std::string::npos);
-  EXPECT_NE(warningOf("[0.3, 0.4]").find("times as wide as high"), std::string::npos);
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"render", "--out", "a.png"},
+        {"replay", "--set", "gaze.source=simulated", "--seconds", "0:0.1", "--out", "run"}}) {
+    EXPECT_FALSE(warns("[0.4, 0.3]", options)) << options[0];
+    EXPECT_TRUE(warns("[0.3, 0.4]", options)) << options[0];
+  }
 }
 
 TEST(CalibrateScreen, RefusesInOneLine) {

@@ -214,6 +214,15 @@ TEST_F(Live, ARecordThatCannotBeginOrEndSaysWhy) {
   EXPECT_NE(failed[0].find("bad is incomplete: "), std::string::npos) << failed[0];
 }
 
+TEST_F(Live, DoubtsAStudysScreenOfOblongPixels) {
+  std::swap(study.screen.size_px.x, study.screen.size_px.y);
+  for (const char* source : {"mouse", "socket", "trace:simulated"}) {
+    const NamedSource named = openLiveSource(source, study);
+    ASSERT_EQ(named.warnings.all().size(), 1u) << source;
+    EXPECT_NE(named.warnings.all()[0].find("times as wide as high"), std::string::npos);
+  }
+}
+
 TEST_F(Live, ARecordHoldsEverySampleThatWasPushedBeforeItsEnd) {
   const fs::path folder = scratch.path() / "record";
   constexpr int kSamples = 500;
