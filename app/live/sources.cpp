@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "calibration/webcam/webcam_calibration.h"
 #include "gaze/live/lsl_source.h"
+#include "gaze/sources/recording_formats.h"
 #include "gaze/webcam/webcam_source.h"
 #ifdef FOCI_PUPIL
 #include "gaze/live/pupil_source.h"
@@ -182,6 +183,7 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
     openRecording(name.substr(6), study, named);
   } else if (name.starts_with("pupil:")) {
     named.source = openPupil(name, named.screen);
+    if (!study.gaze.map) named.warnings.add(name, kOfSceneCamera);
     mapSource(study, named);
   } else if (name == "lsl" || name.starts_with("lsl:")) {
     const std::string stream = name == "lsl" ? "" : name.substr(4);

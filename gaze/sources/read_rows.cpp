@@ -423,9 +423,7 @@ class RowReader {
       header.assumed.push_back("decimal comma: " + shown(text) + " is " + pointed(text));
     }
     if (layout_.of_scene_camera && !given_.mapped_later) {
-      header.warnings.push_back(
-          "positions are those of a scene camera on the head: foci takes its view for the screen, "
-          "which holds only for a head at rest; a gaze map (foci calibrate gaze) corrects this");
+      header.warnings.push_back(kOfSceneCamera);
     }
     if (const std::string& column = layout_.unused_gaze; !column.empty()) {
       header.warnings.push_back(

@@ -223,6 +223,15 @@ TEST_F(Live, DoubtsAStudysScreenOfOblongPixels) {
   }
 }
 
+#ifdef FOCI_PUPIL
+TEST_F(Live, SaysThatPupilCoreLooksFromTheHead) {
+  const NamedSource named = openLiveSource("pupil:127.0.0.1:50020", study);
+  ASSERT_EQ(named.warnings.all().size(), 1u);
+  EXPECT_EQ(named.warnings.all()[0].find("pupil:127.0.0.1:50020: positions are those of a scene"),
+            0u);
+}
+#endif
+
 TEST_F(Live, ARecordHoldsEverySampleThatWasPushedBeforeItsEnd) {
   const fs::path folder = scratch.path() / "record";
   constexpr int kSamples = 500;
