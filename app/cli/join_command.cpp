@@ -8,7 +8,7 @@
 #include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
-#include "app/replay/join.h"
+#include "app/replay/part.h"
 #include "base/transformed.h"
 
 namespace foci {

@@ -7,7 +7,6 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/trace_alignment.h"
 #include "app/cli/trace_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"

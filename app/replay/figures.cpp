@@ -302,8 +302,8 @@ GnuplotChart heatMapFigure(const FigureStyle& wanted, const FigureRun& run,
 
 GnuplotChart timeSeriesFigure(const FigureStyle& style, const FigureRun& run) {
   ChartSeries series;
-  for (const RunFrame& frame : run.frames) series.add(frame);
-  return timeFigure(style, series.rows(), run.screen.size_px, {}, false);
+  for (const RunFrame& frame : run.frames) series.add([&] { return frame; });
+  return timeFigure(style, series.kept(), run.screen.size_px, {}, false);
 }
 
 /// A round whole number, so that the axis has at most a dozen numbers of fixations.

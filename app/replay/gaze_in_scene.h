@@ -11,6 +11,7 @@
 #include "app/record/run_events.h"
 #include "app/replay/replay_inputs.h"
 #include "app/study/study.h"
+#include "gaze/events/event_settings.h"
 #include "gaze/events/gaze_events.h"
 #include "render/scene/scene.h"
 
@@ -71,6 +72,14 @@ glm::dvec2 azimuthElevation_deg(const glm::dvec3& direction, const glm::dvec3& u
 /// The samples of an event.
 /// @param samples  in order of time
 std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSample> samples);
+
+/// Makes a fixation of each pursuit that rests on a point of the scene: to keep it in view, the
+/// eyes turn while the head moves past it. Let p be the median of the points that its sights meet,
+/// and u the direction to p from where the eye is. Gaze less the turn of u must be a fixation by
+/// the rule of `StableGaze`. An eye that does not move changes nothing.
+/// @param samples  in order of time; their states follow
+void fixateRestingPoints(std::vector<GazeEvent>& events, std::span<SightSample> samples,
+                         const EventRules& rules);
 
 /// Looks along each sample of the replayed time, within the study's cone about the line of sight,
 /// as the eye does to focus. Shapes of the study come before the scene's own objects. Keys of the

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "app/graphics/video_writer.h"
 #include "app/replay/replay.h"
 #include "app/replay/replayed_eye.h"
+#include "app/replay/run_writer.h"
 #include "app/study/study.h"
 
 namespace foci {
@@ -70,17 +70,16 @@ Part readPart(const std::filesystem::path& folder);
 /// @throws InputError
 Study studyOf(const Part& part);
 
-/// The same with the names that the run was given, for the manifest. From another folder they lead
-/// nowhere.
-Study statedStudyOf(const Part& part);
+/// Puts parts in order.
+/// @throws InputError unless they are the parts of one run, each frame in one of them
+std::vector<Part> inOrder(std::vector<Part> parts);
 
-/// @param size_px  of the run's images
-/// @throws InputError if the file is missing or holds another image than the part rendered
-Image imageOf(const Part& part, const PartFrame& frame, const glm::ivec2& size_px);
-
-/// The bytes of the files of the maps of the part's `i`-th frame.
-/// @param maps  of the study
-/// @throws InputError as `imageOf`
-std::vector<std::string> mapsOf(const Part& part, std::size_t i, const std::vector<FrameMap>& maps);
+/// Writes the files of a replay to `out`, with the bytes that one process would have written. Only
+/// times (`render_ms`), and what the manifest says of command and machine, may differ.
+/// @param parts  `inOrder`
+/// @param study  `studyOf` a part
+/// @throws InputError, std::runtime_error
+RunResult join(const std::vector<Part>& parts, const Study& study, const std::filesystem::path& out,
+               const std::string& command, const OutputGuard& guard);
 
 }  // namespace foci

@@ -31,8 +31,6 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   const ReplayedGaze gaze = readReplayedGaze(asked, warnings);
   const Study& study = gaze.study;
   const Scene& scene = shared.of(study, warnings);
-  RunFacts facts{
-      .command = command, .threads = threads, .device = {}, .inputs = {}, .heatmap = heatmap};
   ReplayedEye eye(study, gaze, scene, warnings);
   eye.requireSceneInView(scene);
   InputHashes hashes(study, shared.hashed);
@@ -71,9 +69,13 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   if (written.valid()) written.get();
   eye.addRemark();
   eye.compareDevices();
-  facts.inputs = shared.hashed = hashes.get();
-  facts.device = eye.session().devices();
-  return writer.finish(facts);
+  shared.hashed = hashes.get();
+  return writer.finish({.command = command,
+                        .threads = threads,
+                        .device = eye.session().devices(),
+                        .gaze = {},
+                        .inputs = shared.hashed},
+                       heatmap);
 }
 
 RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,

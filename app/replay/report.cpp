@@ -11,7 +11,6 @@
 #include "app/record/tables.h"
 #include "app/replay/methods_text.h"
 #include "app/replay/report_explorer.h"
-#include "app/replay/report_scene.h"
 #include "base/base64.h"
 #include "base/file.h"
 #include "base/rows.h"

@@ -11,7 +11,6 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kMaxRows = 4000;
 constexpr const char* kTextColor =
     "#010203";  // stands for the page's text colour until the SVG is done
 
@@ -145,15 +144,6 @@ const char* colorOf(GazeState state) {
   constexpr std::array<const char*, kGazeStates> kColors{"#3a9d6e", "#d9822b", "#d9822b", "#8e6bbf",
                                                          "#7a8190", "#c94a4a", "#b8a04a"};
   return kColors.at(static_cast<std::size_t>(state));
-}
-
-void ChartSeries::add(const ChartRow& row) {
-  if (seen_++ % stride_ != 0) return;
-  rows_.push_back(row);
-  if (rows_.size() < kMaxRows) return;
-  for (std::size_t i = 0; 2 * i < rows_.size(); ++i) rows_[i] = rows_[2 * i];
-  rows_.resize((rows_.size() + 1) / 2);
-  stride_ *= 2;
 }
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include "app/graphics/figure.h"
 #include "app/replay/run_changes.h"
+#include "base/thinned.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
@@ -28,16 +29,8 @@ struct HeadsetAxes {
   glm::dvec3 up;  ///< of the scene, unit
 };
 
-/// Rows for the charts, in constant memory: if there are too many, every other one is dropped.
-class ChartSeries {
- public:
-  void add(const ChartRow& row);
-  const std::vector<ChartRow>& rows() const { return rows_; }
-
- private:
-  std::vector<ChartRow> rows_;
-  std::size_t stride_ = 1, seen_ = 0;
-};
+/// Rows for the charts.
+using ChartSeries = Thinned<ChartRow, 4000>;
 
 /// A stretch of time in which nothing was recorded.
 struct RecordingPause {

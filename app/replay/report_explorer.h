@@ -2,10 +2,12 @@
 // plot to move the video there, and read values under the pointer.
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
 #include "app/replay/report_charts.h"
+#include "app/replay/scene_view.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
@@ -27,5 +29,18 @@ std::string explorerScript(const std::vector<ChartRow>& rows, const Screen& scre
 /// The choice of the recording's clock or time from zero, for charts and for elements with
 /// `data-time`.
 std::string clockChoice();
+
+// The view of the scene in three dimensions, with plan and side view: WebGL 2 and no library, so
+// that the page opens from disk, offline, and stays small.
+
+extern const char* const kSceneStyle;
+
+/// The section. Its script follows `explorerScript` in the page.
+/// @param first_s  time at which the video begins, on the recording's clock
+/// @param last_s   and ends
+void writeSceneSection(std::ostream& out, const SceneView& view, double first_s, double last_s);
+
+/// The script, with the points and lines: numbers alone.
+void writeSceneScript(std::ostream& out, const SceneView& view, double first_s);
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "app/replay/report_scene.h"
+#include "app/replay/report_explorer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 
 #include "app/graphics/color_map.h"
 #include "app/replay/figures.h"
-#include "app/replay/scene_plan.h"
 #include "base/base64.h"
 #include "base/text.h"
 

@@ -24,6 +24,18 @@ constexpr const char *kVideo = "video.mp4", *kFrames = "frames.tsv", *kEvents = 
                      *kReferences = "references.bib";
 constexpr const char *kImage = "frame-", *kImageEnd = ".png";  // the frame's number is between
 
+constexpr std::size_t kMinFrames = 10;  // to doubt how gaze fits the scene
+// Shares of the frames, chosen by hand.
+constexpr double kMostWithout = 0.5, kOftenApart = 0.2, kOftenDiverge = 0.5;
+
+std::string percentOf(std::size_t part, std::size_t all) {
+  return decimal(100.0 * static_cast<double>(part) / static_cast<double>(all), 0) + " %";
+}
+
+bool exceeds(std::size_t part, std::size_t all, double share) {
+  return all >= kMinFrames && static_cast<double>(part) > share * static_cast<double>(all);
+}
+
 /// Counts the samples of the replayed time, and those without a gaze point.
 void countDataLoss(const GazeTrace& trace, const Schedule& schedule, ReportFacts& facts) {
   const double end_s = schedule.end_s();
@@ -93,7 +105,15 @@ void FrameStatistics::add(const FrameRecord& record) {
   render_ms_.push_back(static_cast<float>(record.stats.ms));
   if (record.rendered) rendered_ms_.push_back(render_ms_.back());
   splats_.push_back(static_cast<std::uint32_t>(record.stats.splats));
-  charts_.add(chartRow(record));
+  charts_.add([&] { return chartRow(record); });
+  if (!isStable(record.eye.state)) return;
+  ++fixated_;
+  without_surface_ += !record.eye.surface_distance_m;
+  const auto disagrees = vergenceDisagrees(record.eye);
+  compared_ += disagrees.has_value();
+  disagree_ += disagrees.value_or(false);
+  // Eyes may err, but not look apart on average.
+  diverge_ += disagrees && record.eye.vergence->value_D < -record.eye.vergence->error_D;
 }
 
 void FrameStatistics::fill(RunSummary& summary) {
@@ -108,7 +128,7 @@ void FrameStatistics::fill(RunSummary& summary) {
 }
 
 void FrameStatistics::fill(ReportFacts& facts) const {
-  facts.rows = charts_.rows();
+  facts.rows = charts_.kept();
   facts.frames_without_gaze = frames_without_gaze_;
   facts.frames_over = frames_over_;
   facts.first_over_s = first_over_s_;
@@ -116,6 +136,29 @@ void FrameStatistics::fill(ReportFacts& facts) const {
   const auto [min, max] = std::minmax_element(pupil_mm_.begin(), pupil_mm_.end());
   facts.pupil_min_mm = *min;
   facts.pupil_max_mm = *max;
+}
+
+std::vector<std::string> FrameStatistics::doubts() const {
+  std::vector<std::string> doubts;
+  if (exceeds(without_surface_, fixated_, kMostWithout)) {
+    doubts.push_back("gaze meets no surface in " + percentOf(without_surface_, fixated_) +
+                     " of the fixated frames: is the recording where the scene is (scene.scale_m, "
+                     "gaze.scene_rotation, gaze.scene_scale, gaze.scene_offset_m)?");
+  }
+  if (exceeds(diverge_, compared_, kOftenDiverge)) {
+    doubts.push_back("the lines of sight of both eyes diverge in " +
+                     percentOf(diverge_, compared_) +
+                     " of the fixated frames: are the columns of the left and the right eye "
+                     "exchanged (gaze.left_direction, gaze.right_direction, gaze.left_angles, "
+                     "gaze.right_angles)?");
+  } else if (exceeds(disagree_, compared_, kOftenApart)) {
+    doubts.push_back("the lines of sight of both eyes do not meet on the surface in " +
+                     percentOf(disagree_, compared_) +
+                     " of the fixated frames (vergence_disagrees in frames.tsv): is the recording "
+                     "where the scene is (scene.scale_m, gaze.scene_offset_m), and are both eyes "
+                     "calibrated?");
+  }
+  return doubts;
 }
 
 std::string imageFileName(std::size_t frame) {
@@ -174,7 +217,6 @@ void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image
   table_.add(frame, seen.record);
   statistics_.add(seen.record);
   eyes_.push_back({seen.record.time_s, seen.record.eye.focus_D, seen.record.pupil_mm});
-  agreement_.add(seen.record);
   hash_.add(shown.rgb);
   if (study_.output.images) folder_.write(imageFileName(frame), pngOf(shown));
   video_.push(std::move(shown));
@@ -184,15 +226,15 @@ void RunWriter::addMap(FrameMap map, std::size_t frame, const std::string& bytes
   folder_.write(mapFileName(map, frame), bytes);
 }
 
-RunResult RunWriter::finish(const RunFacts& run) {
+RunResult RunWriter::finish(ManifestFacts run,
+                            const std::optional<std::filesystem::path>& heatmap) {
   table_.finish();
   video_.finish();
   const Schedule& schedule = gaze_.schedule;
   RunEvents judged = eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
   const std::vector<GazeEvent>& events = judged.events;
   warnings_.addAll(study_.gaze.source, judged.warnings);
-  const GazeInScene in_scene =
-      lookIntoScene(study_, gaze_, scene_, judged, run.heatmap.has_value());
+  const GazeInScene in_scene = lookIntoScene(study_, gaze_, scene_, judged, heatmap.has_value());
   folder_.write(kEvents, eventTable(events, gaze_.trials, study_.gaze.events.detector));
   ReportFacts facts;
   facts.fixations = fixationTable(study_, gaze_, judged, in_scene, eyes_);
@@ -213,11 +255,11 @@ RunResult RunWriter::finish(const RunFacts& run) {
   facts.objects = in_scene.objects;
   facts.scene = sceneViewOf(scene_, in_scene);
   facts.quality = judged.quality;
-  if (run.heatmap) {
+  if (heatmap) {
     const HeatMap heat = heatMapOf(scene_, in_scene);
     facts.heat = heatPictures(heat.scene, in_scene);
     facts.most_heat_s_per_m2 = heat.most_s_per_m2;
-    folder_.files().write(*run.heatmap, [&](const std::filesystem::path& to) {
+    folder_.files().write(*heatmap, [&](const std::filesystem::path& to) {
       writeHeatPly(to, heat.scene, in_scene.attention_s);
     });
   }
@@ -226,16 +268,11 @@ RunResult RunWriter::finish(const RunFacts& run) {
                            schedule.time_s(schedule.frames - 1));
   warnings_.add(toleranceText(study_, facts));
   warnings_.add(focusText(study_, facts));
-  if (study_.eye.recorded) warnings_.addAll(study_.gaze.source, agreement_.doubts());
-  facts.warnings = warnings_.all();
-  folder_.write(kManifest, manifestJson(study_, facts.summary,
-                                        {.command = run.command,
-                                         .threads = run.threads,
-                                         .device = run.device,
-                                         .gaze = factsOf(gaze_.trace, judged),
-                                         .warnings = facts.warnings,
-                                         .inputs = run.inputs,
-                                         .frames_sha256 = hash_.hex()}));
+  if (study_.eye.recorded) warnings_.addAll(study_.gaze.source, statistics_.doubts());
+  run.gaze = factsOf(gaze_.trace, judged);
+  run.warnings = facts.warnings = warnings_.all();
+  run.frames_sha256 = hash_.hex();
+  folder_.write(kManifest, manifestJson(study_, facts.summary, run));
   const MethodsText methods = methodsOf(gaze_.trace, facts);
   folder_.write(kMethods, methods.markdown);
   folder_.write(kReferences, methods.bibtex);

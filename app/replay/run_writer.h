@@ -19,19 +19,9 @@
 #include "app/replay/replayed_eye.h"
 #include "app/replay/report.h"
 #include "app/replay/report_charts.h"
-#include "app/replay/surface_agreement.h"
 #include "app/session/frame_record.h"
 
 namespace foci {
-
-/// What is stated about a run besides its frames.
-struct RunFacts {
-  std::string command;  ///< as typed, quoted for a shell
-  unsigned threads = 0;
-  std::string device;  ///< that rendered the frames
-  std::vector<InputFile> inputs;
-  std::optional<std::filesystem::path> heatmap = {};  ///< PLY of the scene to write
-};
 
 /// A run, and an image of it.
 struct RunResult {
@@ -47,11 +37,17 @@ class FrameStatistics {
   void fill(RunSummary& summary);
   void fill(ReportFacts& facts) const;
 
+  /// Whether a recording's head and lines of sight fit the scene: a sentence for each doubt, with
+  /// the keys to set. Most fixations meet no surface, or the lines of sight usually meet elsewhere
+  /// than on the surface.
+  std::vector<std::string> doubts() const;
+
  private:
   ChartSeries charts_{};
   std::vector<float> render_ms_{}, rendered_ms_{}, pupil_mm_{};
   std::vector<std::uint32_t> splats_{};
   std::size_t frames_without_gaze_ = 0, frames_over_ = 0;
+  std::size_t fixated_ = 0, without_surface_ = 0, compared_ = 0, disagree_ = 0, diverge_ = 0;
   double first_over_s_ = 0.0, worst_error_ = 0.0;
 };
 
@@ -74,7 +70,9 @@ class RunWriter {
   void addMap(FrameMap map, std::size_t frame, const std::string& bytes);
 
   /// Writes what sums up the run.
-  RunResult finish(const RunFacts& facts);
+  /// @param run  with command, threads, device and inputs
+  /// @param heatmap  PLY of the scene to write
+  RunResult finish(ManifestFacts run, const std::optional<std::filesystem::path>& heatmap = {});
 
   /// The folder's files that a run of the study writes. Of images, the numbers are not known before
   /// the run: these are the images that are there already.
@@ -93,7 +91,6 @@ class RunWriter {
   Sha256 hash_;
   FrameTable table_;
   ContactSheet sheet_;
-  SurfaceAgreement agreement_{};
   FrameStatistics statistics_;
   std::vector<EyeInFrame> eyes_{};
 };

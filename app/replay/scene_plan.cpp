@@ -1,4 +1,4 @@
-#include "app/replay/scene_plan.h"
+#include "app/replay/scene_view.h"
 
 #include <algorithm>
 #include <cmath>

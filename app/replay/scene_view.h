@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/replay/gaze_in_scene.h"
@@ -54,5 +55,13 @@ std::optional<SceneView> sceneViewOf(const Scene& scene, const GazeInScene& gaze
 /// @param lines  in the scene's world; not empty
 SceneView sceneViewOf(const Scene& scene, const std::vector<SightLine>& lines,
                       const glm::dvec3& up);
+
+enum class SceneSide { above, right };
+
+/// Plan or side view for paper, an <svg> element: the scene as an image, without what lies between
+/// the viewer and the gaze, and on it the path of the eye, lines of sight, and numbered fixations;
+/// the observer looks to the right. Both sides have one scale.
+std::string scenePlanSvg(const SceneView& view, SceneSide from);
+glm::ivec2 scenePlanSize_px(const SceneView& view, SceneSide from);
 
 }  // namespace foci

@@ -8,34 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "base/thinned.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/geometry/sampling_rate.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
-
-/// Every n-th of many values, at most 8192: enough for a share exact to a hundredth.
-template <class T>
-class Thinned {
- public:
-  /// @param make  gives the value, if it is kept
-  template <class Make>
-  void add(const Make& make) {
-    constexpr std::size_t kMost = 8192;
-    if (count_++ % stride_ != 0) return;
-    kept_.push_back(make());
-    if (kept_.size() < kMost) return;
-    for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
-    kept_.resize(kMost / 2);
-    stride_ *= 2;
-  }
-
-  const std::vector<T>& kept() const { return kept_; }
-
- private:
-  std::size_t count_ = 0, stride_ = 1;
-  std::vector<T> kept_{};
-};
 
 /// Where doubts become warnings.
 class Doubts {

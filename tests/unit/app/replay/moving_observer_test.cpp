@@ -1,8 +1,8 @@
-#include "app/replay/moving_observer.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "app/replay/gaze_in_scene.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "app/replay/scene_plan.h"
 #include "render/scene/gaussian_cloud.h"
 
 namespace foci {

@@ -1,9 +1,9 @@
-#include "app/replay/surface_agreement.h"
-
 #include <gtest/gtest.h>
 
 #include <optional>
 #include <string>
+
+#include "app/replay/run_writer.h"
 
 namespace foci {
 namespace FOCI_FILE {
@@ -18,7 +18,7 @@ FrameRecord frame(std::optional<double> surface_m, std::optional<double> vergenc
 }
 
 std::string doubtsOf(const FrameRecord& usual, const FrameRecord& other, int others) {
-  SurfaceAgreement agreement;
+  FrameStatistics agreement;
   for (int i = 0; i < 100; ++i) agreement.add(i < others ? other : usual);
   std::string doubts;
   for (const std::string& doubt : agreement.doubts()) doubts += doubt + "\n";
