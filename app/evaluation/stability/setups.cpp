@@ -148,6 +148,43 @@ double coverageErrorFrom(const Frame& frame, float alpha, int border_px) {
   return sum / count;
 }
 
+double edgeShare(double distance_px, double radius_px, double sigma_px) {
+  const auto disc = [&](double x) {
+    if (radius_px <= 0.0) return x > 0.0 ? 1.0 : x < 0.0 ? 0.0 : 0.5;
+    const double t = std::clamp(x / radius_px, -1.0, 1.0);
+    return (std::acos(-t) + t * std::sqrt(1.0 - t * t)) / glm::pi<double>();
+  };
+  if (radius_px <= 0.0) return 0.5 * std::erfc(-distance_px / (sigma_px * std::sqrt(2.0)));
+  constexpr int kSteps = 48;
+  double sum = 0.0, total = 0.0;
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    const double z = 4.0 * i / kSteps;
+    const double w = std::exp(-0.5 * z * z);
+    sum += w * disc(distance_px - z * sigma_px);
+    total += w;
+  }
+  return sum / total;
+}
+
+double discThroughGaussian(double distance_px, double radius_px, double sigma_px) {
+  constexpr int kSteps = 200;
+  const double s2 = sigma_px * sigma_px, step_px = radius_px / kSteps;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double r = (i + 0.5) * step_px, x = r * distance_px / s2;
+    // exp(-x) I0(x), which does not overflow; for large x its asymptotic series (DLMF 10.40.1).
+    const double bessel = x < 50.0 ? std::exp(-x) * std::cyl_bessel_i(0.0, x)
+                                   : (1.0 + 0.125 / x) / std::sqrt(glm::two_pi<double>() * x);
+    const double off = r - distance_px;
+    sum += r * std::exp(-0.5 * off * off / s2) * bessel * step_px;
+  }
+  return sum / (glm::pi<double>() * radius_px * radius_px * s2);
+}
+
+namespace {
+
+// Each function takes the value of its scene's dial.
+
 StabilitySetup parallel(float gap_m) {
   constexpr float kNear_m = 0.5f, kBlur_px = 10.0f;
   return scored(
@@ -307,8 +344,6 @@ StabilitySetup curved(float radius_m) {
   return setup;
 }
 
-namespace {
-
 std::vector<Sheet> movedSheets() {
   return {
       {.centre_m = {0, 0, -2}, .size_m = glm::vec2(1.4f), .color = textured(glm::vec3(1.0f), 0.1f)},
@@ -316,8 +351,6 @@ std::vector<Sheet> movedSheets() {
        .size_m = {0.24f, 0.6f},
        .color = textured({1, 0.4f, 0.1f}, 0.05f)}};
 }
-
-}  // namespace
 
 StabilitySetup sweptFocus(float radius_px_per_D) {
   StabilitySetup setup = sceneOf(movedSheets(), lens(radius_px_per_D, 0.6f));
@@ -333,37 +366,123 @@ StabilitySetup movingEye(float px_a_frame) {
   return setup;
 }
 
-double edgeShare(double distance_px, double radius_px, double sigma_px) {
-  const auto disc = [&](double x) {
-    if (radius_px <= 0.0) return x > 0.0 ? 1.0 : x < 0.0 ? 0.0 : 0.5;
-    const double t = std::clamp(x / radius_px, -1.0, 1.0);
-    return (std::acos(-t) + t * std::sqrt(1.0 - t * t)) / glm::pi<double>();
+struct Score {
+  const char* name;
+  double good;
+  bool high_is_good = false;
+};
+constexpr Score psnr(double good_dB) { return {"PSNR, dB", good_dB, true}; }
+constexpr Score coverage(double good) { return {"coverage error, mean", good}; }
+constexpr Score change(double good) { return {"excess change, 99.9 % quantile", good}; }
+constexpr Score kClosedForm{"error against the closed form, mean", 0.02};
+constexpr Score kLight{"relative error of its light", 0.02};
+
+/// Scenes that methods render.
+void addRendered(std::vector<StabilityScene>& scenes) {
+  const auto add = [&](const char* name, const char* what, const char* dial,
+                       std::vector<float> values, StabilitySetup (*setup)(float),
+                       const Score& score) {
+    scenes.push_back({.name = name,
+                      .what = what,
+                      .dial = dial,
+                      .score = score.name,
+                      .high_is_good = score.high_is_good,
+                      .good = score.good,
+                      .values = std::move(values),
+                      .setup = setup});
   };
-  if (radius_px <= 0.0) return 0.5 * std::erfc(-distance_px / (sigma_px * std::sqrt(2.0)));
-  constexpr int kSteps = 48;
-  double sum = 0.0, total = 0.0;
-  for (int i = -kSteps; i <= kSteps; ++i) {
-    const double z = 4.0 * i / kSteps;
-    const double w = std::exp(-0.5 * z * z);
-    sum += w * disc(distance_px - z * sigma_px);
-    total += w;
-  }
-  return sum / total;
+  add("parallel", "a half-plane 0.5 m away in front of a sheet, both blurred by 10 px",
+      "distance between them, m", {0.2f, 0.1f, 0.05f, 0.02f, 0.01f, 0.005f, 0.002f, 0.001f},
+      parallel, coverage(0.02));
+  add("crossing", "two textured planes that cross, blurred by 9 px where they meet",
+      "angle between them, deg", {85.0f, 60.0f, 45.0f, 30.0f, 15.0f, 5.0f}, intersecting,
+      psnr(42.0));
+  add("crossing-deep",
+      "the same, but the slanted plane reaches from 0.4 to 1.6 m: blur radius up to 36 px",
+      "angle between them, deg", {15.0f, 30.0f, 45.0f, 60.0f, 85.0f}, intersectingDeep, psnr(42.0));
+  add("slanted", "a textured plane through the focus, slanted", "angle to the screen, deg",
+      {0.0f, 30.0f, 60.0f, 75.0f, 85.0f}, slanted, psnr(35.0));
+  add("curved", "a textured pillar, its nearest line in focus", "its radius, m",
+      {1.0f, 0.4f, 0.2f, 0.1f, 0.05f}, curved, psnr(35.0));
+  add("density", "a wall whose samples thin out from left to right", "ratio of densities",
+      {1.0f, 3.0f, 10.0f, 30.0f, 100.0f}, density, coverage(0.03));
+  add("patches", "a wall with holes 24 samples apart where samples are missing, blurred by 6 px",
+      "width of a hole, samples", {0.0f, 2.0f, 4.0f, 8.0f, 12.0f}, patches, coverage(0.03));
+  add("duplicates", "a half-plane blurred by 8 px; a third of its points occur several times",
+      "copies of each such point", {1.0f, 2.0f, 4.0f, 8.0f, 16.0f}, duplicates, kClosedForm);
+  add("normals", "a half-plane blurred by 8 px; its normals are wrong, each in a random direction",
+      "error of the normals, deg", {0.0f, 10.0f, 20.0f, 30.0f, 45.0f, 60.0f}, misledNormals,
+      kClosedForm);
+  add("wire", "a wire in front of a sheet in focus, blurred by 6 px", "width, px",
+      {5.0f, 2.0f, 1.0f, 0.5f, 0.2f}, wire, kLight);
+  add("sharp-before-blurred", "a half-plane in focus in front of a sheet out of focus",
+      "blur of the sheet, px", {1.0f, 2.0f, 4.0f, 8.0f, 16.0f}, sharpSilhouette, kClosedForm);
+  add("blurred-before-sharp", "a half-plane out of focus in front of a sheet in focus",
+      "blur of the half-plane, px", {1.0f, 2.0f, 4.0f, 8.0f, 16.0f}, blurredSilhouette,
+      kClosedForm);
+  add("close-up", "a half-plane that approaches the eye until its blur is wider than the image",
+      "distance, m", {0.5f, 0.2f, 0.1f, 0.05f, 0.02f}, closeUp, kClosedForm);
+  add("near-plane", "a slanted sheet, cut off by the near plane, in front of a sheet in focus",
+      "blur at the cut, px", {1.0f, 4.0f, 8.0f, 16.0f, 32.0f}, nearPlane, psnr(35.0));
+  add("focus", "things 0.1 m, 1 m and 1 km away", "focus, D", {1.0f, 0.0f, 3.0f, 10.0f}, focusRange,
+      psnr(35.0));
+  add("point-light", "a point of light 1000 km away", "focus, D", {0.0f, 0.5f, 1.0f, 3.0f, 10.0f},
+      pointLight, kLight);
+  add("transparent", "layers of opacity 0.3, 0.1 m apart, all out of focus", "layers",
+      {1.0f, 2.0f, 4.0f, 8.0f, 16.0f}, transparent, coverage(0.02));
+  add("crossing-layers", "a fan of crossing layers of opacity 0.5, blurred by 9 px", "layers",
+      {1.0f, 2.0f, 3.0f, 4.0f, 6.0f}, crossingLayers, psnr(35.0));
+  add("highlight", "one bright surfel on a wall blurred by 10 px", "times as bright as the wall",
+      {1.0f, 10.0f, 100.0f, 1000.0f, 10000.0f}, highlightOf, kLight);
+  add("firefly", "the same: the pixel with the largest excess", "times as bright as the wall",
+      {1.0f, 10.0f, 100.0f, 1000.0f, 10000.0f}, firefly,
+      {"excess, relative to the blurred highlight", 0.3});
+  add("focus-sweep", "the focus moves by 0.02 D a frame over two textured sheets",
+      "blur, px a dioptre", {5.0f, 10.0f, 20.0f, 40.0f}, sweptFocus, change(0.005));
+  add("moving-eye", "the eye moves past two textured sheets; the far one is in focus",
+      "speed of the near sheet, px a frame", {0.1f, 0.3f, 1.0f, 3.0f}, movingEye, change(0.02));
 }
 
-double discThroughGaussian(double distance_px, double radius_px, double sigma_px) {
-  constexpr int kSteps = 200;
-  const double s2 = sigma_px * sigma_px, step_px = radius_px / kSteps;
-  double sum = 0.0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double r = (i + 0.5) * step_px, x = r * distance_px / s2;
-    // exp(-x) I0(x), which does not overflow; for large x its asymptotic series (DLMF 10.40.1).
-    const double bessel = x < 50.0 ? std::exp(-x) * std::cyl_bessel_i(0.0, x)
-                                   : (1.0 + 0.125 / x) / std::sqrt(glm::two_pi<double>() * x);
-    const double off = r - distance_px;
-    sum += r * std::exp(-0.5 * off * off / s2) * bessel * step_px;
-  }
-  return sum / (glm::pi<double>() * radius_px * radius_px * s2);
+/// Scenes of gaze. Each is scored twice.
+void addGazes(std::vector<StabilityScene>& scenes) {
+  const auto add = [&](const std::string& name, const char* what, const char* dial,
+                       const std::vector<float>& values,
+                       double (*observe)(std::size_t, float, GazeScore)) {
+    const auto addScored = [&](const char* suffix, const char* score, double good, GazeScore by) {
+      scenes.push_back({.name = name + suffix,
+                        .what = what,
+                        .dial = dial,
+                        .score = score,
+                        .good = good,
+                        .values = values,
+                        .observers = kObservers,
+                        .observe = [observe, by](std::size_t observer, float value) {
+                          return observe(observer, value, by);
+                        }});
+    };
+    addScored("", "share of the time with wrong focus", 0.02, GazeScore::wrong_share);
+    addScored("-jumps", "excess jumps of focus a second", 0.2, GazeScore::jumps_a_second);
+  };
+  add("gaze-noise", "a steady gaze 0.5 to 1.5 deg from an edge between surfaces at 0.5 and 2 m",
+      "noise of a sample, deg", {0.1f, 0.3f, 0.5f, 1.0f, 2.0f}, gazeNoise);
+  add("gaze-loss",
+      "a gaze that jumps across an edge between surfaces at 0.5 and 2 m, noise 0.3 deg",
+      "data loss, %", {0.0f, 10.0f, 20.0f, 40.0f, 60.0f}, gazeLoss);
 }
 
+}  // namespace
 }  // namespace foci::stability
+
+namespace foci {
+
+const std::vector<StabilityScene>& stabilityScenes() {
+  static const std::vector<StabilityScene> scenes = [] {
+    std::vector<StabilityScene> all;
+    stability::addRendered(all);
+    stability::addGazes(all);
+    return all;
+  }();
+  return scenes;
+}
+
+}  // namespace foci

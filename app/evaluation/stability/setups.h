@@ -29,26 +29,7 @@ double edgeError(const Frame& frame, double radius_px, double reach_px);
 /// border.
 double coverageErrorFrom(const Frame& frame, float alpha, int border_px);
 
-// Each function takes the value of its scene's dial.
-StabilitySetup parallel(float gap_m);
-StabilitySetup intersecting(float angle_deg);
-StabilitySetup intersectingDeep(float angle_deg);
-StabilitySetup wire(float width_px);
-StabilitySetup sharpSilhouette(float radius_px);
-StabilitySetup blurredSilhouette(float radius_px);
-StabilitySetup closeUp(float distance_m);
-StabilitySetup nearPlane(float radius_px);
-StabilitySetup focusRange(float focus_D);
-StabilitySetup pointLight(float focus_D);
-StabilitySetup transparent(float layers);
-StabilitySetup crossingLayers(float layers);
-StabilitySetup highlightOf(float times);
-StabilitySetup firefly(float times);
-StabilitySetup slanted(float angle_deg);
-StabilitySetup curved(float radius_m);
-StabilitySetup sweptFocus(float radius_px_per_D);
-StabilitySetup movingEye(float px_a_frame);
-// Irregular samples.
+// Scenes of irregular samples, by the value of their dial.
 StabilitySetup density(float ratio);
 StabilitySetup patches(float width_px);
 StabilitySetup duplicates(float copies);
