@@ -9,7 +9,6 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/scan_options.h"
 #include "app/evaluation/chart/export.h"
 #include "app/evaluation/chart/import.h"
 #include "app/evaluation/chart/measure.h"
@@ -102,6 +101,8 @@ struct ChartOutput {
   OutputGuard guard;
   OutputFolder folder{out, guard};
 
+  ChartCells cells() const { return {out, programKey(), guard}; }
+
   /// @return why there is no image of all panels; empty: there is one
   std::string writeOverview(const Drawing& panels) {
     const GnuplotChart png = pngOf(panels);
@@ -121,7 +122,7 @@ struct ChartOutput {
 // Each measures and writes the table, the page and the image of all panels.
 
 Measured<ChartPoint> chart(const ChartPlan& plan, const Imported& imported, ChartOutput& to) {
-  auto measured = measureChart(plan, to.out, to.guard, progressOf(stepsOf(plan)));
+  auto measured = measureChart(plan, to.cells(), progressOf(stepsOf(plan)));
   writeImages(imported, to.folder);
   for (const ImportedPoint& one : imported) measured.rows.push_back(one.point);
   markFrontiers(measured.rows);
@@ -133,7 +134,7 @@ Measured<ChartPoint> chart(const ChartPlan& plan, const Imported& imported, Char
 }
 
 Measured<StabilityPoint> chart(const StabilityPlan& plan, ChartOutput& to) {
-  auto measured = measureStability(plan, to.out, to.guard, progressOf(stepsOf(plan)));
+  auto measured = measureStability(plan, to.cells(), progressOf(stepsOf(plan)));
   const std::string notice = to.writeOverview(stabilityOverview(plan, measured.rows));
   to.write(csvOf(plan, measured.rows), stabilityPage(plan, measured.rows, notice));
   return measured;
@@ -147,7 +148,7 @@ Measured<GrowthCurve> chart(const GrowthPlan& plan, ChartOutput& to) {
 }
 
 Measured<MotionPoint> chart(const MotionPlan& plan, ChartOutput& to) {
-  auto measured = measureMotion(plan, to.out, to.guard, progressOf(stepsOf(plan)));
+  auto measured = measureMotion(plan, to.cells(), progressOf(stepsOf(plan)));
   to.write(csvOf(measured.rows), motionPage(plan, measured));
   return measured;
 }

@@ -5,7 +5,6 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/study_options.h"
 #include "app/live/options.h"
 #include "app/live/record.h"
 #include "app/live/sources.h"

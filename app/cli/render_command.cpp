@@ -6,7 +6,6 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/study_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/replay/render_image.h"

@@ -11,7 +11,6 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/study_options.h"
 #include "app/platform/output_files.h"
 #include "app/replay/part.h"
 #include "app/replay/recordings.h"

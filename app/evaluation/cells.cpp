@@ -5,10 +5,12 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "app/evaluation/evaluation_page.h"
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/output_files.h"
 #include "app/platform/sha256.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -67,8 +69,28 @@ std::string programKey() {
          std::to_string(machine.cores) + " cores, " + machine.simd + "; ";
 }
 
-ChartCells::ChartCells(fs::path folder, std::string key, OutputGuard guard)
-    : folder_(std::move(folder)), key_(std::move(key)), guard_(std::move(guard)) {}
+ChartCells::ChartCells(fs::path chart, std::string key, OutputGuard guard)
+    : chart_(std::move(chart)),
+      folder_(chart_ / "cells"),
+      key_(std::move(key)),
+      guard_(std::move(guard)) {}
+
+bool ChartCells::hasImage(const std::string& name) const {
+  std::error_code ignored;
+  return fs::exists(chart_ / name, ignored);
+}
+
+void ChartCells::writeImage(const std::string& name, const Image& image) const {
+  writeOutput(chart_ / name, pngOf(image), guard_);
+}
+
+void ChartCells::writeImages(const std::string& name, const Frame& frame,
+                             const Frame& reference) const {
+  parallelFor(2, [&](std::size_t i) {
+    if (i == 0) writeImage(name, imageOf(frame));
+    if (i == 1) writeImage(differenceFileOf(name), differenceOf(frame, reference, kDifferenceGain));
+  });
+}
 
 std::optional<ChartCell> ChartCells::load(const std::string& name, const std::string& key) const {
   return parsed(folder_ / (name + ".json"), key_ + key, [](const Json& json) {

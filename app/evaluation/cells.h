@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/graphics/image.h"
 #include "app/platform/output_guard.h"
 #include "render/image/frame.h"
 #include "render/methods/quality_level.h"
@@ -45,15 +46,21 @@ struct ChartReference {
 /// The part of every key that does not depend on the plan: the program and the machine.
 std::string programKey();
 
-/// A folder with one file for each cell. Every file states a key, which names everything that its
-/// results depend on. A file with another key, or one that cannot be read, counts as absent and is
-/// overwritten if the guard allows it. Files are renamed into place, so every file is complete at
-/// any moment.
+/// The cells of a chart, with one file for each. Every file states a key, which names everything
+/// that its results depend on. A file with another key, or one that cannot be read, counts as
+/// absent and is overwritten if the guard allows it. Files are renamed into place, so every file is
+/// complete at any moment.
 class ChartCells {
  public:
-  /// @param folder  is made with the first cell
-  /// @param key     what all cells depend on: program and machine
-  ChartCells(std::filesystem::path folder, std::string key, OutputGuard guard);
+  /// @param chart  the chart's folder: cells go to `cells`, which is made with the first one
+  /// @param key    what all cells depend on: program and machine
+  ChartCells(std::filesystem::path chart, std::string key, OutputGuard guard);
+
+  // Images of the chart, by their names in its folder.
+  bool hasImage(const std::string& name) const;
+  void writeImage(const std::string& name, const Image& image) const;
+  /// Also writes `differenceFileOf` the image.
+  void writeImages(const std::string& name, const Frame& frame, const Frame& reference) const;
 
   /// @param name  the cell's file name without folder and extension
   /// @param key   what this cell depends on in addition
@@ -76,7 +83,7 @@ class ChartCells {
                       const ChartReference& reference) const;
 
  private:
-  std::filesystem::path folder_;
+  std::filesystem::path chart_, folder_;
   std::string key_;
   OutputGuard guard_;
 };

@@ -7,13 +7,10 @@
 #include <memory>
 #include <optional>
 
-#include "app/evaluation/cells.h"
 #include "app/evaluation/chart/scores.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
-#include "app/platform/output_files.h"
-#include "base/parallel.h"
 #include "render/lod/moment_tree.h"
 #include "render/methods/quality_level.h"
 
@@ -25,19 +22,19 @@ namespace fs = std::filesystem;
 /// All cells of one scene at one blur.
 class ChartGroup {
  public:
-  ChartGroup(const ChartPlan& plan, const ChartScene& scene, double blur_px, const fs::path& folder,
-             const ChartCells& cells, const OutputGuard& guard, const OnSteps& on_steps)
+  ChartGroup(const ChartPlan& plan, const ChartScene& scene, double blur_px,
+             const ChartCells& cells, const OnSteps& on_steps)
       : plan_(plan),
         scene_(scene),
         blur_px_(blur_px),
-        folder_(folder),
         cells_(cells),
-        guard_(guard),
         on_steps_(on_steps),
         key_(plan.key(scene, blur_px)) {
     for (const EvaluatedMethod& method : scene.methods) {
       auto cell = cells.load(nameOf(method), keyOf(method));
-      if (cell && haveImages(method)) found_[method.spec()] = *cell;
+      const std::string image = imageFile(scene.id, blur_px, method);
+      if (cell && cells.hasImage(image) && cells.hasImage(differenceFileOf(image)))
+        found_[method.spec()] = *cell;
     }
     reference_ = cells.loadReferenceFigures(referenceName(), key_);
   }
@@ -89,23 +86,12 @@ class ChartGroup {
   std::string referenceName() const { return stemOf(referenceFile(scene_.id, blur_px_)); }
   static std::string stemOf(const std::string& image) { return fs::path(image).stem().string(); }
 
-  bool haveImages(const EvaluatedMethod& method) const {
-    std::error_code ignored;
-    const std::string image = imageFile(scene_.id, blur_px_, method);
-    return fs::exists(folder_ / image, ignored) &&
-           fs::exists(folder_ / differenceFileOf(image), ignored);
-  }
-
   int runsMissing(const ChartCell& cell, unsigned threads) const {
     const double runs = plan_.timing_ms / cell.first_ms;
     const int wanted = static_cast<int>(std::clamp(runs, 1.0, double{1.0 * plan_.max_runs}));
     const auto ms = cell.ms.find(threads);
     const auto had = ms == cell.ms.end() ? 0 : static_cast<int>(ms->second.size());
     return std::max(0, wanted - had);
-  }
-
-  void writeImage(const std::string& file, const Image& image) const {
-    writeOutput(folder_ / file, pngOf(image), guard_);
   }
 
   /// Renders the reference, and the first frame of each method that has no cell yet.
@@ -136,7 +122,7 @@ class ChartGroup {
     reference.split_half_psnr_dB = makeMethod(plan_.reference(scene_, blur_px_), seen.scene)
                                        ->render(seen.view, settings, reference.frame)
                                        .split_half_psnr_dB.value();
-    writeImage(referenceFile(scene_.id, blur_px_), imageOf(reference.frame));
+    cells_.writeImage(referenceFile(scene_.id, blur_px_), imageOf(reference.frame));
     cells_.storeReference(referenceName(), key_, reference);
     reference_ = cells_.loadReferenceFigures(referenceName(), key_);
     return reference;
@@ -154,15 +140,7 @@ class ChartGroup {
     cell.errors.tolerance_met = stats.tolerance_met;
     cell.errors.quality_level = stats.quality_level;
     if (stats.ms > kSlowFirst * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
-    const std::string image = imageFile(scene_.id, blur_px_, method);
-    parallelFor(2, [&](std::size_t i) {
-      if (i == 0) {
-        writeImage(image, imageOf(frame));
-      } else {
-        writeImage(differenceFileOf(image),
-                   differenceOf(frame, *compared.reference, kDifferenceGain));
-      }
-    });
+    cells_.writeImages(imageFile(scene_.id, blur_px_, method), frame, *compared.reference);
     cells_.store(nameOf(method), keyOf(method), cell);
     found_[method.spec()] = cell;
   }
@@ -206,9 +184,7 @@ class ChartGroup {
   const ChartPlan& plan_;
   const ChartScene& scene_;
   double blur_px_;
-  const fs::path& folder_;
   const ChartCells& cells_;
-  const OutputGuard& guard_;
   const OnSteps& on_steps_;
   std::string key_;
   double aperture_m_ = 0.0;
@@ -248,9 +224,8 @@ std::vector<fs::path> measuredFiles(const ChartPlan& plan, const fs::path& folde
   return files;
 }
 
-Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
-                                  const OutputGuard& guard, const OnSteps& on_steps) {
-  const ChartCells cells(folder / "cells", programKey(), guard);
+Measured<ChartPoint> measureChart(const ChartPlan& plan, const ChartCells& cells,
+                                  const OnSteps& on_steps) {
   Measured<ChartPoint> result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
@@ -260,7 +235,7 @@ Measured<ChartPoint> measureChart(const ChartPlan& plan, const fs::path& folder,
       result.warnings = seen->warnings;
     }
     for (const double blur_px : plan.blurs_px) {
-      ChartGroup group(plan, scene, blur_px, folder, cells, guard, on_steps);
+      ChartGroup group(plan, scene, blur_px, cells, on_steps);
       const auto done = static_cast<std::size_t>(
           std::count_if(scene.methods.begin(), scene.methods.end(),
                         [&](const auto& one) { return group.isDone(one); }));

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "app/evaluation/cells.h"
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/chart/points.h"
-#include "app/platform/output_guard.h"
 
 namespace foci {
 
@@ -22,9 +22,8 @@ std::size_t stepsOf(const ChartPlan& plan);
 /// turns, so that other load on the machine slows all of them alike. Consecutive timed frames
 /// differ in aperture by a thousandth, so that no method can reuse its previous frame. A method
 /// that takes four times `plan.timing_ms` is timed by its first frame.
-/// @param folder    of the chart: cells go to `cells`, images to `images`
 /// @return by scene, blur, method, threads
-Measured<ChartPoint> measureChart(const ChartPlan& plan, const std::filesystem::path& folder,
-                                  const OutputGuard& guard, const OnSteps& on_steps);
+Measured<ChartPoint> measureChart(const ChartPlan& plan, const ChartCells& cells,
+                                  const OnSteps& on_steps);
 
 }  // namespace foci

@@ -8,12 +8,10 @@
 #include <span>
 #include <utility>
 
-#include "app/evaluation/cells.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/excess_change.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
-#include "app/platform/output_files.h"
 #include "app/record/tables.h"
 #include "app/session/observer_eye.h"
 #include "base/rows.h"
@@ -274,9 +272,8 @@ std::vector<fs::path> measuredFiles(const MotionPlan& plan, const fs::path& fold
 
 std::size_t stepsOf(const MotionPlan& plan) { return measuredFiles(plan, "").size() / 2; }
 
-Measured<MotionPoint> measureMotion(const MotionPlan& plan, const fs::path& folder,
-                                    const OutputGuard& guard, const OnSteps& on_steps) {
-  const ChartCells cells(folder / "cells", programKey(), guard);
+Measured<MotionPoint> measureMotion(const MotionPlan& plan, const ChartCells& cells,
+                                    const OnSteps& on_steps) {
   Measured<MotionPoint> result;
   for (const ChartScene& planned : plan.scenes) {
     std::optional<MotionScene> scene;
@@ -289,10 +286,9 @@ Measured<MotionPoint> measureMotion(const MotionPlan& plan, const fs::path& fold
         const std::string key = planned.input + "; " + std::to_string(plan.size_px) + " px; " +
                                 std::to_string(plan.views) + " views; " + std::to_string(frames) +
                                 " frames; " + threadsText(threadCounts().back()) + "; ";
-        std::error_code ignored;
         auto lists = cells.loadLists(cellOf(point), key);
         const bool of_new_budget = point.budget_ms && computes;  // the point before is the same
-        if (of_new_budget || !fs::exists(folder / point.strip(), ignored)) lists.reset();
+        if (of_new_budget || !cells.hasImage(point.strip())) lists.reset();
         computes = !lists;
         ++(lists ? result.kept : result.computed);
         if (!lists) {
@@ -304,7 +300,7 @@ Measured<MotionPoint> measureMotion(const MotionPlan& plan, const fs::path& fold
           Image worst;
           lists = measurePath(*scene, run, std::span(steps).first(frames), worst);
           if (point.budget_ms) (*lists)["budget_ms"] = {*point.budget_ms};
-          writeOutput(folder / point.strip(), pngOf(worst), guard);
+          cells.writeImage(point.strip(), worst);
           cells.storeLists(cellOf(point), key, *lists);
         }
         setFigures(point, *lists);

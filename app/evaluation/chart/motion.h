@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "app/evaluation/cells.h"
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/scene_in_view.h"
-#include "app/platform/output_guard.h"
 #include "render/optics/view.h"
 
 namespace foci {
@@ -79,10 +79,9 @@ std::size_t stepsOf(const MotionPlan& plan);
 /// Each method renders the frames of a path one after another, as a session does: it keeps its
 /// state, and `auto` reuses frames that change too little to see. `auto` runs a second time within
 /// half of the time that it took. Frames within a saccade do not count, nor does the landing.
-/// @param folder    of the chart: cells go to `cells`, strips to `images`
 /// @return by scene, path, method
-Measured<MotionPoint> measureMotion(const MotionPlan& plan, const std::filesystem::path& folder,
-                                    const OutputGuard& guard, const OnSteps& on_steps);
+Measured<MotionPoint> measureMotion(const MotionPlan& plan, const ChartCells& cells,
+                                    const OnSteps& on_steps);
 
 /// motion.csv.
 std::string csvOf(const std::vector<MotionPoint>& points);

@@ -37,8 +37,8 @@ std::vector<std::vector<PaperFigure>> figure6(const ReproduceScene& scene,
                                               const SceneResult& result);
 
 struct ReproducedScene {
-  const ReproduceScene& scene;
-  const SceneResult& result;
+  ReproduceScene scene;
+  SceneResult result;
   std::vector<std::vector<PaperFigure>> figure6;
 };
 

@@ -6,11 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "app/evaluation/cells.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/excess_change.h"
 #include "app/graphics/image.h"
-#include "app/platform/output_files.h"
 #include "base/rows.h"
 #include "base/text.h"
 #include "base/transformed.h"
@@ -50,13 +48,11 @@ Frame exposed(Frame frame, float exposure) {
 class StabilityGroup {
  public:
   StabilityGroup(const StabilityPlan& plan, const StabilityScene& scene, float value,
-                 const fs::path& folder, const ChartCells& cells, const OutputGuard& guard)
+                 const ChartCells& cells)
       : plan_(plan),
         scene_(scene),
         value_(value),
-        folder_(folder),
         cells_(cells),
-        guard_(guard),
         key_(scene.name + " " + scene.input + "; " + dialText(value) + "; " +
              std::to_string(plan.effort.samples) + " samples, " +
              std::to_string(plan.effort.steps) + " steps; ") {}
@@ -77,17 +73,11 @@ class StabilityGroup {
  private:
   std::string nameOf(std::size_t index) const { return cellName(plan_, scene_, value_, index); }
 
-  void writeImage(const std::string& file, const Image& image) const {
-    writeOutput(folder_ / file, pngOf(image), guard_);
-  }
-
   std::optional<double> load(std::size_t index, const std::string& name) const {
-    std::error_code ignored;
     if (!scene_.observe) {
       const std::string image = stabilityImage(scene_.name, value_, plan_.methods[index]);
-      if (!fs::exists(folder_ / image, ignored) ||
-          !fs::exists(folder_ / differenceFileOf(image), ignored) ||
-          !fs::exists(folder_ / stabilityReference(scene_.name, value_), ignored)) {
+      if (!cells_.hasImage(image) || !cells_.hasImage(differenceFileOf(image)) ||
+          !cells_.hasImage(stabilityReference(scene_.name, value_))) {
         return std::nullopt;
       }
     }
@@ -105,24 +95,20 @@ class StabilityGroup {
     if (!trial_) {
       trial_.emplace(scene_, value_, plan_.effort);
       exposure_ = exposureOf(trial_->reference());
-      writeImage(stabilityReference(scene_.name, value_),
-                 imageOf(exposed(trial_->reference(), exposure_)));
+      cells_.writeImage(stabilityReference(scene_.name, value_),
+                        imageOf(exposed(trial_->reference(), exposure_)));
     }
     const double score = trial_->score(method);
-    const Frame rendered = exposed(trial_->rendered(), exposure_);
-    const std::string image = stabilityImage(scene_.name, value_, plan_.methods[index]);
-    writeImage(image, imageOf(rendered));
-    writeImage(differenceFileOf(image),
-               differenceOf(rendered, exposed(trial_->reference(), exposure_), kDifferenceGain));
+    cells_.writeImages(stabilityImage(scene_.name, value_, plan_.methods[index]),
+                       exposed(trial_->rendered(), exposure_),
+                       exposed(trial_->reference(), exposure_));
     return score;
   }
 
   const StabilityPlan& plan_;
   const StabilityScene& scene_;
   float value_;
-  const fs::path& folder_;
   const ChartCells& cells_;
-  const OutputGuard& guard_;
   std::string key_;
   std::optional<StabilityTrial> trial_;
   float exposure_ = 1.0f;
@@ -172,13 +158,12 @@ std::vector<fs::path> measuredFiles(const StabilityPlan& plan, const fs::path& f
   return files;
 }
 
-Measured<StabilityPoint> measureStability(const StabilityPlan& plan, const fs::path& folder,
-                                          const OutputGuard& guard, const OnSteps& on_steps) {
-  const ChartCells cells(folder / "cells", programKey(), guard);
+Measured<StabilityPoint> measureStability(const StabilityPlan& plan, const ChartCells& cells,
+                                          const OnSteps& on_steps) {
   Measured<StabilityPoint> result;
   for (const StabilityScene& scene : plan.scenes) {
     for (const float value : scene.values) {
-      StabilityGroup(plan, scene, value, folder, cells, guard).measure(on_steps, result);
+      StabilityGroup(plan, scene, value, cells).measure(on_steps, result);
     }
   }
   return result;

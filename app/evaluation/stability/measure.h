@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "app/evaluation/cells.h"
 #include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/evaluation_choice.h"
 #include "app/evaluation/stability/scenes.h"
-#include "app/platform/output_guard.h"
 
 namespace foci {
 
@@ -86,11 +86,9 @@ std::vector<std::filesystem::path> measuredFiles(const StabilityPlan& plan,
 /// Number of steps that `measureStability` reports.
 std::size_t stepsOf(const StabilityPlan& plan);
 
-/// @param folder    of the chart: cells go to `cells`, images to `images`
 /// @return by scene, value, method
-Measured<StabilityPoint> measureStability(const StabilityPlan& plan,
-                                          const std::filesystem::path& folder,
-                                          const OutputGuard& guard, const OnSteps& on_steps);
+Measured<StabilityPoint> measureStability(const StabilityPlan& plan, const ChartCells& cells,
+                                          const OnSteps& on_steps);
 
 /// stability.csv.
 std::string csvOf(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);

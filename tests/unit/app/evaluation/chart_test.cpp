@@ -286,9 +286,10 @@ TEST_F(ChartCellsTest, LoadsResultsUnderTheSameKeyOnly) {
 
 TEST_F(ChartCellsTest, CountsForeignFilesAsAbsent) {
   const ChartCells cells(folder_, "k", OutputGuard());
+  fs::create_directory(folder_ / "cells");
   for (const char* text : {"", "{", "[]", "{\"key\": 1}", "{\"key\": \"k\"}",
                            "{\"key\": \"k\", \"psnr_dB\": [], \"ssim\": \"x\"}"}) {
-    writeText(folder_ / "a.json", text);
+    writeText(folder_ / "cells/a.json", text);
     EXPECT_FALSE(cells.load("a", "")) << text;
     EXPECT_FALSE(cells.loadReference("a", "")) << text;
   }
@@ -306,7 +307,7 @@ TEST_F(ChartCellsTest, LoadsAReferenceToTheBitAndNoTruncatedOne) {
   EXPECT_EQ(back->split_half_psnr_dB, 51.5);
   EXPECT_EQ(back->frame.size_px, reference.frame.size_px);
   EXPECT_EQ(back->frame.rgba, reference.frame.rgba);
-  fs::resize_file(folder_ / "r.rgba", 90);
+  fs::resize_file(folder_ / "cells/r.rgba", 90);
   EXPECT_FALSE(cells.loadReference("r", ""));
 }
 

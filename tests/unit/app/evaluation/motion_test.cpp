@@ -120,7 +120,7 @@ TEST(MeasureMotion, SomethingMovesOnEveryPathOfAQuickRun) {
   plan.views = 3;
   const TemporaryFolder folder;
   for (const MotionPoint& one :
-       measureMotion(plan, folder.path(), OutputGuard(), [](std::size_t) {}).rows) {
+       measureMotion(plan, {folder.path(), programKey(), OutputGuard()}, [](std::size_t) {}).rows) {
     EXPECT_GT(one.light_worst, 0.0) << one.path;
   }
 }
@@ -133,7 +133,7 @@ TEST(MeasureMotion, FindsNoExcessInTheReference) {
   plan.views = 3;
   const TemporaryFolder folder;
   const Measured<MotionPoint> result =
-      measureMotion(plan, folder.path(), OutputGuard(), [](std::size_t) {});
+      measureMotion(plan, {folder.path(), programKey(), OutputGuard()}, [](std::size_t) {});
   ASSERT_EQ(result.rows.size(), 2 * kMotionPaths.size());
   for (const MotionPoint& one : result.rows) {
     if (one.method.name == "accumulate") {
