@@ -25,7 +25,20 @@ constexpr std::uintmax_t kMostTable_bytes = 1 << 20;  // far above such a table
 struct Row {
   int line = 0;
   std::vector<std::string> cells;
+
+  const std::string& at(int column) const { return cells[static_cast<std::size_t>(column)]; }
 };
+
+/// -1: left, 1: right, 0: another word.
+int sideNamed(const std::string& text) {
+  for (const std::string_view word : {"od", "r", "re", "right", "right eye"}) {
+    if (text == word) return 1;
+  }
+  for (const std::string_view word : {"os", "l", "le", "left", "left eye"}) {
+    if (text == word) return -1;
+  }
+  return 0;
+}
 
 std::string unquoted(std::string_view text) {
   text = trimmed(text);
@@ -320,7 +333,7 @@ class WavefrontTable {
   /// Micrometres of one of the unit that a heading, a cell of the row or else a comment names.
   double unitOf(const Row& head, int column, const Row& row, int unit_column) const {
     std::optional<double> unit = unit_;
-    if (column >= 0) takeUnit(head.line, head.cells[static_cast<std::size_t>(column)], unit);
+    if (column >= 0) takeUnit(head.line, head.at(column), unit);
     const auto at = static_cast<std::size_t>(unit_column);
     if (at < row.cells.size() && !row.cells[at].empty()) {
       takeUnitCell(row, row.cells[at], unit);
@@ -350,15 +363,8 @@ class WavefrontTable {
     eye->zernike_um[at] = um;
   }
 
-  /// -1: left, 1: right.
   int sideOf(const Row& row, const std::string& cell) const {
-    const std::string text = lowered(cell);
-    if (text == "od" || text == "r" || text == "re" || text == "right" || text == "right eye") {
-      return 1;
-    }
-    if (text == "os" || text == "l" || text == "le" || text == "left" || text == "left eye") {
-      return -1;
-    }
+    if (const int side = sideNamed(lowered(cell)); side != 0) return side;
     fail(row.line, "eye = " + shown(cell) + ": expected right, OD, left or OS");
   }
 
@@ -393,12 +399,10 @@ class WavefrontTable {
         fail(row.line, std::to_string(row.cells.size()) + " cells: expected " +
                            std::to_string(head.cells.size()) + ", as in the heading");
       }
-      const auto at = [&](int column) { return row.cells[static_cast<std::size_t>(column)]; };
-      const int side = eye_column < 0 ? 0 : sideOf(row, at(eye_column));
-      const double pupil_mm =
-          pupil_column < 0
-              ? pupilInForce()
-              : pupilOf(row, head.cells[static_cast<std::size_t>(pupil_column)], at(pupil_column));
+      const int side = eye_column < 0 ? 0 : sideOf(row, row.at(eye_column));
+      const double pupil_mm = pupil_column < 0
+                                  ? pupilInForce()
+                                  : pupilOf(row, head.at(pupil_column), row.at(pupil_column));
       std::optional<Wavefront> eye;
       for (std::size_t c = 0; c < head.cells.size(); ++c) {
         const auto index = indexOf(withoutUnit(head.cells[c]));
@@ -445,8 +449,8 @@ class WavefrontTable {
       if (namesPupil(text)) columns.pupil = at;
       if (is({"eye"})) columns.eye = at;
       if (isUnitColumn(c)) columns.unit = at;
-      if (is({"right", "right eye", "od", "r", "re"})) columns.right = at;
-      if (is({"left", "left eye", "os", "l", "le"})) columns.left = at;
+      if (const int side = sideNamed(text); side != 0)
+        (side > 0 ? columns.right : columns.left) = at;
     }
     has_heading = columns.value >= 0 || columns.right >= 0 || columns.left >= 0;
     if (has_heading) return columns;
@@ -458,9 +462,8 @@ class WavefrontTable {
   }
 
   int termOf(const Row& row, const Columns& columns) const {
-    const auto at = [&](int column) { return row.cells[static_cast<std::size_t>(column)]; };
     if (columns.n >= 0 && columns.m >= 0) {
-      const double n = number(row, at(columns.n), "n"), m = number(row, at(columns.m), "m");
+      const double n = number(row, row.at(columns.n), "n"), m = number(row, row.at(columns.m), "m");
       if (n != std::floor(n) || m != std::floor(m) || n < 0.0 || n > kMaxZernikeOrder ||
           std::abs(m) > n || std::fmod(n - m, 2.0) != 0.0) {
         fail(row.line, "n, m = " + exactText(n) + ", " + exactText(m) +
@@ -470,11 +473,12 @@ class WavefrontTable {
     }
     const int column = columns.name >= 0 ? columns.name : columns.index;
     if (column < 0) fail(rows_.front().line, "expected the columns n and m, or j, or term");
-    if (const auto named = indexOf(at(column))) return *named;
-    if (at(column).find(',') != std::string::npos) {
-      fail(row.line, "index " + shown(at(column)) + ": expected 0 to 65, or a name such as Z2_0");
+    if (const auto named = indexOf(row.at(column))) return *named;
+    if (row.at(column).find(',') != std::string::npos) {
+      fail(row.line,
+           "index " + shown(row.at(column)) + ": expected 0 to 65, or a name such as Z2_0");
     }
-    const double index = number(row, at(column), "index");
+    const double index = number(row, row.at(column), "index");
     if (index != std::floor(index))
       fail(row.line, "index " + exactText(index) + ": expected 0 to 65");
     return static_cast<int>(std::clamp(index, -1.0, 1000.0));
@@ -512,16 +516,12 @@ class WavefrontTable {
                            std::to_string(most + 1));
       }
       const int term = termOf(row, columns);
-      const int side =
-          columns.eye < 0 ? 0 : sideOf(row, row.cells[static_cast<std::size_t>(columns.eye)]);
+      const int side = columns.eye < 0 ? 0 : sideOf(row, row.at(columns.eye));
       if (!seen.emplace(term, side).second) failTwice(row, term);
       const auto take = [&](int column, std::optional<Wavefront>& eye) {
         if (column < 0) return;
-        const std::string& cell = row.cells[static_cast<std::size_t>(column)];
-        set(row, eye, term,
-            unitOf(head, has_heading ? column : -1, row, columns.unit) *
-                number(row, cell, "coefficient"),
-            pupil_mm);
+        const double unit = unitOf(head, has_heading ? column : -1, row, columns.unit);
+        set(row, eye, term, unit * number(row, row.at(column), "coefficient"), pupil_mm);
       };
       if (side <= 0) take(columns.value, eyes_.left);
       if (side >= 0) take(columns.value, eyes_.right);
