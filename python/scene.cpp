@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/study/load_scene.h"
 #include "app/study/study.h"
-#include "app/study/view_remarks.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "python/bindings.h"

@@ -10,7 +10,6 @@
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "app/record/manifest.h"
-#include "app/record/run_events.h"
 #include "app/record/tables.h"
 #include "app/study/study_words.h"
 #include "base/input_error.h"
@@ -20,7 +19,6 @@
 #include "gaze/events/online_events.h"
 #include "gaze/events/recording_quality.h"
 #include "gaze/sources/bids.h"
-#include "gaze/sources/labelled.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -80,15 +78,12 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
     table += decimal(event.onset_s, kDigits) + '\t' + decimal(event.duration_s, kDigits) + '\t' +
              std::string(nameOf(event.kind)) + '\n';
   }
-  const nlohmann::ordered_json sidecar = {
-      {"Columns", {"onset", "duration", "trial_type"}},
-      {"Description", "Eye movements, detected by foci"},
-      {"OnsetSource", "timestamp"},
-      {"trial_type",
-       {{"Description",
-         "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost, unjudged"}}}};
   files.write(file, [&](const auto& path) { writePacked(path, table); });
-  files.write(sidecarOf(file), jsonText(sidecar, 2) + '\n');
+  files.write(
+      sidecarOf(file),
+      bidsTableJson(
+          "trial_type", "Eye movements, detected by foci",
+          "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost, unjudged"));
 }
 
 /// How often each kind of event occurs, and its share of the samples: as text and in `json`.
@@ -188,8 +183,8 @@ void detectEvents(const EventsOptions& options) {
   std::printf("\n%s", text.c_str());
 }
 
-/// Agreement of every labeller with every other, over all recordings. The labellers are "foci" and
-/// the human coders.
+/// Agreement of every labeller with every other, over all recordings. The labellers are detectors,
+/// or "foci" and the human coders.
 struct Scores {
   /// After the states: fixation and pursuit in one.
   static constexpr std::size_t kStable = kGazeStates;
@@ -204,19 +199,18 @@ struct Scores {
     all[kStable].add(isStable(x), isStable(y));
   }
 
-  void add(const LabelledTrace& labelled, const std::vector<GazeState>& states) {
-    samples += static_cast<double>(states.size());
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      ++counts["foci"][static_cast<std::size_t>(states[i])];
-      for (std::size_t a = 0; a < labelled.coders.size(); ++a) {
-        const auto& label = labelled.coders[a].labels[i];
+  /// @param all  labels of one recording
+  void add(const std::vector<Coder>& all) {
+    samples += static_cast<double>(all.front().labels.size());
+    for (std::size_t a = 0; a < all.size(); ++a) {
+      for (std::size_t i = 0; i < all[a].labels.size(); ++i) {
+        const auto& label = all[a].labels[i];
         if (!label) continue;
-        const std::string& name = labelled.coders[a].name;
-        ++counts[name][static_cast<std::size_t>(*label)];
-        compare("foci", name, states[i], *label);
-        for (std::size_t b = a + 1; b < labelled.coders.size(); ++b) {
-          const auto& other = labelled.coders[b].labels[i];
-          if (other) compare(name, labelled.coders[b].name, *label, *other);
+        ++counts[all[a].name][static_cast<std::size_t>(*label)];
+        for (std::size_t b = a + 1; b < all.size(); ++b) {
+          if (const auto& other = all[b].labels[i]) {
+            compare(all[a].name, all[b].name, *label, *other);
+          }
         }
       }
     }
@@ -268,68 +262,53 @@ std::string scoreTables(const Scores& scores, nlohmann::ordered_json& json) {
          kindTable("share", Scores::kStable, scores.counts, shareOf, json);
 }
 
+/// Agreement on the same recordings: of every detector with every other, or of one with the coders.
 void scoreEvents(const EventsOptions& options) {
-  const TraceDescription description = unmappedDescriptionOf(options);
+  TraceDescription description = unmappedDescriptionOf(options);
+  std::vector<Detector> detectors{description.events.detector};
+  if (options.compare) detectors.assign(kDetectors.begin(), kDetectors.end());
   Scores scores;
   Warnings warnings;
   for (const std::string& file : options.traces) {
-    const LabelledTrace labelled = readLabelledTrace(file, description.screen, description.columns);
+    LabelledTrace labelled;
+    if (options.compare) {
+      labelled.trace = readTrace(file, description.columns, description.screen);
+    } else {
+      labelled = readLabelledTrace(file, description.screen, description.columns);
+    }
     requireWholeScreen(*labelled.trace.screen, file);
     warnings.include(warningsOf(file, labelled.trace).all());
-    const EventLabels labels =
-        judgedLabels(file, labelled.trace, description.events, options.online);
-    warnings.addAll(file, labels.warnings);
-    scores.add(labelled, labels.states);
+    std::vector<Coder> all;
+    for (const Detector detector : detectors) {
+      description.events.detector = detector;
+      const EventLabels labels =
+          judgedLabels(file, labelled.trace, description.events, options.online);
+      if (all.empty()) warnings.addAll(file, labels.warnings);
+      all.push_back({.name = options.compare ? labelOf(detector) : "foci",
+                     .labels = {labels.states.begin(), labels.states.end()}});
+    }
+    all.insert(all.end(), labelled.coders.begin(), labelled.coders.end());
+    scores.add(all);
   }
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
-                                 {"samples", scores.samples},
-                                 {"detector", nameOf(description.events.detector)},
-                                 {"detector_version", versionOf(description.events.detector)},
-                                 {"online", options.online},
-                                 {"warnings", warnings.all()}};
+                                 {"samples", scores.samples}};
+  if (!options.compare) {
+    json["detector"] = nameOf(detectors[0]);
+    json["detector_version"] = versionOf(detectors[0]);
+  }
+  json["online"] = options.online;
+  json["warnings"] = warnings.all();
   const std::string text = scoreTables(scores, json);
   if (options.json) {
     std::puts(jsonText(json).c_str());
-  } else {
-    std::printf("%zu recordings, %.0f samples, detector %s, %s\n%s", options.traces.size(),
-                scores.samples, labelOf(description.events.detector).c_str(),
-                options.online ? "online" : "offline", text.c_str());
+    return;
   }
-}
-
-/// Agreement of every detector with every other on the same recordings.
-void compareDetectors(const EventsOptions& options) {
-  TraceDescription description = unmappedDescriptionOf(options);
-  Scores scores;
-  Warnings warnings;
-  for (const std::string& file : options.traces) {
-    const GazeTrace trace = readTrace(file, description.columns, description.screen);
-    requireWholeScreen(*trace.screen, file);
-    warnings.include(warningsOf(file, trace).all());
-    scores.samples += static_cast<double>(trace.samples.size());
-    std::array<std::vector<GazeState>, kDetectors.size()> labels;
-    for (std::size_t d = 0; d < kDetectors.size(); ++d) {
-      description.events.detector = kDetectors[d];
-      EventLabels found = judgedLabels(file, trace, description.events, options.online);
-      if (d == 0) warnings.addAll(file, found.warnings);
-      labels[d] = std::move(found.states);
-    }
-    for (std::size_t a = 0; a < kDetectors.size(); ++a) {
-      for (std::size_t i = 0; i < labels[a].size(); ++i) {
-        ++scores.counts[labelOf(kDetectors[a])][static_cast<std::size_t>(labels[a][i])];
-        for (std::size_t b = a + 1; b < kDetectors.size(); ++b) {
-          scores.compare(labelOf(kDetectors[a]), labelOf(kDetectors[b]), labels[a][i],
-                         labels[b][i]);
-        }
-      }
-    }
+  if (!options.compare) {
+    std::printf("%zu recordings, %.0f samples, detector %s, %s\n", options.traces.size(),
+                scores.samples, labelOf(detectors[0]).c_str(),
+                options.online ? "online" : "offline");
   }
-  nlohmann::ordered_json json = {{"recordings", options.traces.size()},
-                                 {"samples", scores.samples},
-                                 {"online", options.online},
-                                 {"warnings", warnings.all()}};
-  const std::string text = scoreTables(scores, json);
-  std::printf("%s", options.json ? (jsonText(json) + '\n').c_str() : text.c_str());
+  std::printf("%s", text.c_str());
 }
 
 }  // namespace
@@ -374,13 +353,8 @@ void addEventsCommand(CLI::App& app) {
     if (!options->score && !options->compare && options->traces.size() > 1) {
       throw InputError("TRACE: expected one recording, --score or --compare-detectors");
     }
-    withTraceHints(*options, [&] {
-      if (options->compare) {
-        compareDetectors(*options);
-      } else {
-        options->score ? scoreEvents(*options) : detectEvents(*options);
-      }
-    });
+    const bool scores = options->score || options->compare;
+    withTraceHints(*options, [&] { scores ? scoreEvents(*options) : detectEvents(*options); });
   });
 }
 

@@ -8,7 +8,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/eye/eye_report.h"
-#include "app/eye/wide_angle_eye.h"
+#include "app/eye/visual_quality.h"
 #include "app/platform/output_files.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"

@@ -8,7 +8,7 @@
 #include "app/cli/option_values.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
-#include "app/replay/render_image.h"
+#include "app/replay/replay.h"
 #include "app/study/inputs.h"
 #include "app/study/study_request.h"
 #include "base/input_error.h"

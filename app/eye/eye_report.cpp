@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/eye/wide_angle_eye.h"
+#include "app/eye/visual_quality.h"
 #include "app/platform/progress.h"
 #include "app/session/observer_eye.h"
 #include "app/study/session_settings_of.h"

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "app/eye/visual_quality.h"
-#include "app/eye/wide_angle_eye.h"
 #include "app/graphics/html.h"
 #include "app/platform/output_files.h"
 #include "app/platform/progress.h"

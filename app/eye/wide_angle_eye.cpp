@@ -1,5 +1,3 @@
-#include "app/eye/wide_angle_eye.h"
-
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -8,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
+
+#include "app/eye/visual_quality.h"
 
 namespace foci {
 namespace {

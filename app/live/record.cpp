@@ -6,7 +6,7 @@
 
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
-#include "app/record/run_events.h"
+#include "app/record/tables.h"
 #include "app/study/inputs.h"
 #include "app/study/study_text.h"
 #include "base/file.h"

@@ -37,7 +37,7 @@
 #include "app/record/record_files.h"
 #include "app/record/tables.h"
 #include "app/session/session.h"
-#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "gaze/live/trace_player.h"
 #include "render/gl/texture.h"
 

@@ -6,7 +6,7 @@
 #include <ctime>
 
 #include "app/platform/json_text.h"
-#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "base/text.h"
 

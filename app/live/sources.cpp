@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "app/record/run_events.h"
+#include "app/record/tables.h"
 #include "app/session/session.h"
 #include "app/study/gaze_calibration.h"
 #include "app/study/inputs.h"

@@ -1,5 +1,3 @@
-#include "app/prepare/fidelity_section.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,6 +6,7 @@
 
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
+#include "app/prepare/prepare.h"
 #include "base/text.h"
 
 namespace foci {

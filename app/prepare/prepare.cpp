@@ -9,7 +9,6 @@
 #include "app/platform/output_files.h"
 #include "app/platform/progress.h"
 #include "app/platform/warnings.h"
-#include "app/prepare/fidelity_section.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "base/text.h"

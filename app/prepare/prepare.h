@@ -71,4 +71,13 @@ struct PrepareSummary {
 /// @throws InputError, std::runtime_error
 PrepareSummary prepareScene(const PrepareRequest& request);
 
+/// CSS of the section, besides `kPageStyle`.
+extern const char* const kFidelityStyle;
+
+/// Figures, a map of all views and the worst view, as HTML; or why there are none.
+std::string fidelitySection(const PrepareSummary& summary);
+
+/// The figures in one sentence, for a terminal; or why there are none.
+std::string fidelityText(const PrepareSummary& summary);
+
 }  // namespace foci

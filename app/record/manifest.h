@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/record/live_facts.h"
-#include "app/record/run_events.h"
+#include "app/record/tables.h"
 #include "app/study/study.h"
 #include "gaze/events/recording_quality.h"
 #include "gaze/geometry/gaze_sample.h"

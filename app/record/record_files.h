@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {

@@ -6,7 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <utility>
 
-#include "app/replay/scene_voxels.h"
+#include "app/replay/scene_view.h"
 #include "app/study/framing.h"
 #include "app/study/recorded_head.h"
 #include "base/parallel.h"

@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "gaze/events/online_events.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/trials.h"
+#include "gaze/sources/trace_summary.h"
 #include "gaze/webcam/webcam_frames.h"
 
 namespace foci {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/record/run_events.h"
+#include "app/record/tables.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/replay_inputs.h"
 

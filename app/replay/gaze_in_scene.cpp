@@ -15,7 +15,7 @@
 #include "base/text.h"
 #include "gaze/events/pursuit.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/trials.h"
+#include "gaze/sources/trace_summary.h"
 #include "render/lod/surface_query.h"
 
 namespace foci {

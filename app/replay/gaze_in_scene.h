@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/record/run_events.h"
+#include "app/record/tables.h"
 #include "app/replay/replay_inputs.h"
 #include "app/study/study.h"
 #include "gaze/events/event_settings.h"

@@ -1,11 +1,10 @@
-#include "app/replay/methods_text.h"
-
 #include <algorithm>
 #include <array>
 #include <map>
 #include <string_view>
 
 #include "app/platform/version.h"
+#include "app/replay/report.h"
 #include "base/text.h"
 #include "gaze/focus/pupil.h"
 

@@ -1,10 +1,9 @@
-#include "app/replay/render_image.h"
-
 #include <algorithm>
 #include <utility>
 
 #include "app/platform/output_files.h"
-#include "app/replay/frame_maps.h"
+#include "app/replay/replay.h"
+#include "app/replay/run_writer.h"
 #include "app/session/session.h"
 #include "app/study/load_scene.h"
 #include "app/study/session_settings_of.h"

@@ -13,7 +13,7 @@
 #include "base/input_error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "gaze/sources/trials.h"
+#include "gaze/sources/trace_summary.h"
 
 namespace foci {
 namespace {

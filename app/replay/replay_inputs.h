@@ -9,7 +9,7 @@
 #include "app/platform/warnings.h"
 #include "app/record/manifest.h"
 #include "app/record/record_files.h"
-#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "render/scene/io/open_scene.h"

@@ -1,22 +1,64 @@
 // report.html: a replay on one page that opens from disk.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/graphics/image.h"
 #include "app/record/manifest.h"
-#include "app/replay/contact_sheet.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"
 #include "app/replay/report_charts.h"
 #include "app/replay/run_changes.h"
 #include "app/replay/scene_view.h"
+#include "app/session/frame_record.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
+
+// The contact sheet, chosen while frames go by.
+
+struct SheetImage {
+  double time_s = 0.0;
+  GazeState state = GazeState::lost;
+  double focus_D = 0.0;
+  std::optional<double> surface_distance_m;
+  std::string jpeg;
+};
+
+/// Divides the replay into equal stretches and takes a frame of each: the one at which a fixation
+/// has lasted longest, so that the focus has settled. A stretch without fixation gives its first
+/// frame.
+class ContactSheet {
+ public:
+  explicit ContactSheet(std::size_t frames);
+
+  /// @param points_px  of the gaze, one for each view in the image
+  /// @param image      without marker
+  void offer(std::size_t frame, const FrameRecord& record, const std::vector<glm::dvec2>& points_px,
+             const Image& image);
+
+  /// @param image_px  size of the offered images
+  std::vector<SheetImage> images(const glm::ivec2& image_px) const;
+
+ private:
+  struct Chosen {
+    FrameRecord record;
+    Image small;
+    std::vector<glm::dvec2> points_px;  // of gaze, in the image at full size
+  };
+  std::size_t frames_, count_;
+  std::size_t fixating_ = 0, best_ = 0;  // frames that a fixation lasts: now, at the chosen frame
+  std::size_t chosen_at_ = 0,
+              chosen_before_ = 0;  // last chosen frame, and that of the stretch before
+  std::vector<Chosen> chosen_;
+};
 
 struct ReportFacts {
   RunSummary summary;
@@ -63,5 +105,20 @@ struct MethodsText;
 std::string writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
                         const GazeTrace& trace, const ReportFacts& facts,
                         const MethodsText& methods);
+
+// methods.md and references.bib of a run: paragraphs for the methods section of a paper, with
+// citations as Pandoc and Quarto take them.
+
+struct MethodsText {
+  std::string markdown, bibtex;
+};
+
+MethodsText methodsOf(const GazeTrace& trace, const ReportFacts& facts);
+
+/// "0.50 m", "infinity", "behind the eye".
+std::string distanceText(double focus_D);
+
+/// How the eye focuses, its pupil and its optics, in sentences: plain text, each after a blank.
+std::string eyeSentences(const Study& study);
 
 }  // namespace foci

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "app/study/study.h"
 
 namespace foci {

@@ -13,13 +13,14 @@
 #include "app/platform/warnings.h"
 #include "app/record/manifest.h"
 #include "app/record/tables.h"
-#include "app/replay/contact_sheet.h"
 #include "app/replay/fixation_tables.h"
 #include "app/replay/replay_inputs.h"
 #include "app/replay/replayed_eye.h"
 #include "app/replay/report.h"
 #include "app/replay/report_charts.h"
 #include "app/session/frame_record.h"
+#include "app/study/study.h"
+#include "render/image/frame.h"
 
 namespace foci {
 
@@ -100,5 +101,16 @@ std::string imageFileName(std::size_t frame);
 
 /// The images of frames, and their maps, that a folder holds.
 std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder);
+
+/// `FrameMap::defocus` by pixel. @param frame  with depth along the line of sight
+std::vector<float> defocusMap_D(const Frame& frame, double focus_D);
+
+/// "depth-000012.exr"
+std::string mapFileName(FrameMap map, std::size_t frame);
+
+/// Stages the maps of a frame. @return where they are staged, in the order of `maps`
+std::vector<std::filesystem::path> stageMaps(const std::vector<FrameMap>& maps, std::size_t frame,
+                                             const Frame& rendered, double focus_D,
+                                             OutputFolder& folder);
 
 }  // namespace foci

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "app/replay/scene_voxels.h"
 #include "app/study/framing.h"
 
 namespace foci {

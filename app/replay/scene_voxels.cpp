@@ -1,9 +1,8 @@
-#include "app/replay/scene_voxels.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "app/replay/scene_view.h"
 #include "base/quantile.h"
 
 namespace foci {

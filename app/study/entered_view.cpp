@@ -1,5 +1,3 @@
-#include "app/study/entered_view.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "app/study/framing.h"
 #include "base/quantile.h"
 
 namespace foci {

@@ -7,7 +7,6 @@
 #include <glm/gtc/constants.hpp>
 #include <vector>
 
-#include "app/study/entered_view.h"
 #include "app/study/study.h"
 #include "base/quantile.h"
 #include "base/text.h"

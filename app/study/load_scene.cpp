@@ -15,7 +15,6 @@
 #include "app/platform/sha256.h"
 #include "app/platform/version.h"
 #include "app/study/session_settings_of.h"
-#include "app/study/view_remarks.h"
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"

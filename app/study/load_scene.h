@@ -6,15 +6,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "app/platform/warnings.h"
 #include "app/study/study.h"
+#include "render/lod/moment_tree.h"
+#include "render/optics/view.h"
 #include "render/scene/io/open_scene.h"
+#include "render/scene/scene.h"
 
 namespace foci {
 
 /// In the order of its tree, which all methods and the gaze's distance share. Warns of what a user
-/// should know of the files, and of the place of the eye (view_remarks.h).
+/// should know of the files, and of the place of the eye (`viewRemarks`).
 /// @param file  the study's scene file, if it has been read
 /// @throws InputError
 Scene loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> file = {});
@@ -60,5 +65,24 @@ class SceneCache {
   std::filesystem::path folder_;
   Limits limits_;
 };
+
+/// A scene wider than this, or narrower, is remarked on: farther away than 100 m the optics of an
+/// eye hardly tell distances apart, and an eye focuses on nothing nearer than some centimetres.
+inline constexpr double kWidestScene_m = 1000.0, kNarrowestScene_m = 0.001;
+
+/// What an eye in the study's first pose sees.
+View firstViewOf(const Study& study);
+
+/// Whether any surfel may reach into the image that an eye in the study's first pose sees.
+bool isSceneInView(const Study& study, const Scene& scene);
+
+/// One sentence for each fault, with the key to set; empty for an ordinary view. Looks at the eye's
+/// pose at the beginning, or the scene's own pose. The eye stands inside a solid if it sees the
+/// backs of oriented surfels in nearly all directions, or any surfels nearer than 2 cm.
+std::vector<std::string> viewRemarks(const Study& study, const Scene& scene);
+
+/// How much memory the study's method takes, and which methods take less; empty for a scene that is
+/// not large, and for a method with level of detail.
+std::string memoryRemark(const Study& study, const Scene& scene, std::size_t large = kLargeScene);
 
 }  // namespace foci

@@ -1,6 +1,7 @@
-#include "app/study/scene_text.h"
+#include <nlohmann/json.hpp>
 
 #include "app/platform/json_text.h"
+#include "app/study/framing.h"
 #include "base/text.h"
 
 namespace foci {

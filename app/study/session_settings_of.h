@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "app/session/session.h"
 #include "app/session/session_settings.h"
 #include "app/study/study.h"
 #include "render/scene/builtin/procedural.h"
@@ -24,5 +25,24 @@ bool ellipsesAsCircles(const Study& study);
 /// A sentence for each property of the observer's eyes that the study's method leaves out, or
 /// renders in a simpler way; else "".
 std::string eyeRemark(const Study& study);
+
+// Keys of a study that change while a session runs.
+
+/// A key that takes another value from a frame on.
+struct Change {
+  double time_s = 0.0;  ///< of the first frame with the new value
+  std::string key;
+  std::string toml;  ///< as `setKey` takes it
+};
+
+/// The value as remote control may set it. A key that names a file takes those in `remote.folder`
+/// alone; the value returned names the file in full.
+/// @throws InputError
+std::string remoteValue(const Study& study, const std::string& key, const std::string& toml);
+
+/// Sets a key of the study, from the next frame of its session on. Study and session are as they
+/// were if this throws.
+/// @throws InputError where the key cannot change while a session runs, or not to this value
+void changeLive(Study& study, Session& session, const std::string& key, const std::string& toml);
 
 }  // namespace foci

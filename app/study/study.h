@@ -193,7 +193,7 @@ using OptionValue = std::variant<double, std::string, std::vector<double>>;
 /// @throws InputError
 void setKey(Study& study, std::string_view key, const std::string& toml, const std::string& where);
 
-/// Whether a key may change while a session runs (live_change.h).
+/// Whether a key may change while a session runs (`changeLive`).
 bool changesLive(std::string_view key);
 
 /// Sets a key as a command-line option does, under the same checks as in the file.

@@ -1,11 +1,10 @@
-#include "app/study/view_remarks.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "app/study/framing.h"
+#include "app/study/load_scene.h"
 #include "app/study/session_settings_of.h"
 #include "base/quantile.h"
 #include "base/text.h"

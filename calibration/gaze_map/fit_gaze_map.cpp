@@ -6,7 +6,6 @@
 #include <iterator>
 
 #include "base/quantile.h"
-#include "calibration/gaze_map/station_fit.h"
 #include "calibration/gaze_map/stations.h"
 
 namespace foci {

@@ -1,10 +1,9 @@
-#include "calibration/gaze_map/station_fit.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "calibration/gaze_map/stations.h"
 #include "calibration/location.h"
 #include "calibration/solve.h"
 

@@ -117,6 +117,11 @@ bool statesScreen(const std::filesystem::path& events_json, const Screen& screen
 std::string bidsMessages(const std::vector<TraceMarker>& markers);
 std::string bidsMessagesJson();
 
+/// The JSON beside a table of onset, duration and one more column.
+/// @param meaning  of the column
+std::string bidsTableJson(const std::string& column, const std::string& description,
+                          const std::string& meaning);
+
 /// Packs a text with gzip. @throws std::runtime_error
 void writePacked(const std::filesystem::path& file, const std::string& text);
 

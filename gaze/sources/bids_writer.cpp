@@ -193,11 +193,16 @@ std::string bidsMessages(const std::vector<TraceMarker>& markers) {
   return table;
 }
 
-std::string bidsMessagesJson() {
-  return textOf({{"Columns", {"onset", "duration", "message"}},
-                 {"Description", "Messages of the recording"},
+std::string bidsTableJson(const std::string& column, const std::string& description,
+                          const std::string& meaning) {
+  return textOf({{"Columns", {"onset", "duration", column}},
+                 {"Description", description},
                  {"OnsetSource", "timestamp"},
-                 {"message", {{"Description", "Text of an event marker"}}}});
+                 {column, {{"Description", meaning}}}});
+}
+
+std::string bidsMessagesJson() {
+  return bidsTableJson("message", "Messages of the recording", "Text of an event marker");
 }
 
 void writePacked(const fs::path& file, const std::string& text) {

@@ -20,7 +20,7 @@
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"
 #include "gaze/sources/row_times.h"
-#include "gaze/sources/trials.h"
+#include "gaze/sources/trace_summary.h"
 
 namespace foci {
 namespace {

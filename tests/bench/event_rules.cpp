@@ -18,7 +18,7 @@
 #include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
-#include "gaze/sources/labelled.h"
+#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 namespace {

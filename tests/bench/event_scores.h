@@ -8,7 +8,7 @@
 
 #include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"
-#include "gaze/sources/labelled.h"
+#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 

@@ -9,7 +9,8 @@
 #include <tuple>
 #include <vector>
 
-#include "gaze/sources/labelled.h"
+#include "gaze/sources/trace_reader.h"
+
 
 namespace foci {
 

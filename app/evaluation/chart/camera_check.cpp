@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/evaluation/chart/import.h"
+#include "app/evaluation/chart/cases.h"
 #include "base/text.h"
 #include "render/image/srgb.h"
 

@@ -1,5 +1,3 @@
-#include "app/evaluation/chart/case_files.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/evaluation/chart/cases.h"
 #include "base/file.h"
 #include "base/image_codec.h"
 #include "base/text.h"

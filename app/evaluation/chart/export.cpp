@@ -1,9 +1,8 @@
-#include "app/evaluation/chart/export.h"
+#include "app/evaluation/chart/cases.h"
 
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
-#include "app/evaluation/chart/case_files.h"
 #include "app/graphics/image.h"
 #include "app/platform/json_text.h"
 #include "base/text.h"

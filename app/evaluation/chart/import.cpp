@@ -1,5 +1,3 @@
-#include "app/evaluation/chart/import.h"
-
 #include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
@@ -8,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "app/evaluation/chart/export.h"
-#include "app/evaluation/chart/scores.h"
+#include "app/evaluation/chart/cases.h"
+#include "app/evaluation/chart/points.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/platform/json_text.h"
 #include "base/file.h"

@@ -1,5 +1,3 @@
-#include "app/evaluation/chart/measure.h"
-
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -7,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "app/evaluation/chart/scores.h"
+#include "app/evaluation/chart/points.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"

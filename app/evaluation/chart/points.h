@@ -1,13 +1,20 @@
 // The points of the chart: one method at one blur and one number of threads; frontiers; chart.csv.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/evaluation/cells.h"
+#include "app/evaluation/chart/plan.h"
 #include "app/evaluation/evaluated_methods.h"
+#include "render/image/frame.h"
 #include "render/methods/quality_level.h"
+#include "render/optics/defocus.h"
 
 namespace foci {
 
@@ -52,5 +59,34 @@ std::string referenceFile(const std::string& scene, double blur_px);
 /// frontier together. Infinities are ordinary values. NaN and lists of different lengths are not
 /// allowed (asserted).
 std::vector<bool> paretoFrontier(const std::vector<double>& cost, const std::vector<double>& worth);
+
+/// What frames are compared with.
+struct Compared {
+  const Frame* reference = nullptr;
+  std::vector<glm::vec3> lab{};      ///< `labOf` the reference
+  std::vector<std::uint8_t> band{};  ///< the silhouettes
+};
+
+/// @param reference  must outlive the result
+/// @param pinhole    a frame without blur, with depth
+Compared comparedWith(const Frame& reference, const Frame& pinhole, const Defocus& lens);
+
+/// Without what `auto` states.
+ChartErrors scoresOf(const Frame& frame, const Compared& with);
+
+/// The files that `measureChart` writes.
+std::vector<std::filesystem::path> measuredFiles(const ChartPlan& plan,
+                                                 const std::filesystem::path& folder);
+
+/// Number of steps that `measureChart` reports.
+std::size_t stepsOf(const ChartPlan& plan);
+
+/// Compares the first frame of each method with the reference. Then times the methods, which take
+/// turns, so that other load on the machine slows all of them alike. Consecutive timed frames
+/// differ in aperture by a thousandth, so that no method can reuse its previous frame. A method
+/// that takes four times `plan.timing_ms` is timed by its first frame.
+/// @return by scene, blur, method, threads
+Measured<ChartPoint> measureChart(const ChartPlan& plan, const ChartCells& cells,
+                                  const OnSteps& on_steps);
 
 }  // namespace foci

@@ -1,10 +1,9 @@
-#include "app/evaluation/growth/page.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/evaluation_page.h"
+#include "app/evaluation/growth/growth.h"
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
 #include "app/platform/machine.h"

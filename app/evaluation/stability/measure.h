@@ -13,6 +13,7 @@
 #include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/evaluation_choice.h"
 #include "app/evaluation/stability/scenes.h"
+#include "app/graphics/drawing.h"
 
 namespace foci {
 
@@ -92,5 +93,15 @@ Measured<StabilityPoint> measureStability(const StabilityPlan& plan, const Chart
 
 /// stability.csv.
 std::string csvOf(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);
+
+// The page.
+
+/// A complete HTML page. Its links are relative to the chart's folder.
+/// @param notice  of what the page misses; empty: nothing
+std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points,
+                          const std::string& notice);
+
+/// All panels in one image: for pages without links.
+Drawing stabilityOverview(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);
 
 }  // namespace foci

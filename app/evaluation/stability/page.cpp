@@ -1,11 +1,10 @@
-#include "app/evaluation/stability/page.h"
-
 #include <cmath>
 #include <sstream>
 #include <utility>
 
 #include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/evaluation_page.h"
+#include "app/evaluation/stability/measure.h"
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
 #include "base/rows.h"

@@ -3,7 +3,7 @@
 #include "calibration/binocular/fit_binocular.h"
 #include "calibration/gaze_map/map_units.h"
 #include "calibration/webcam/webcam_calibration.h"
-#include "gaze/sources/labelled.h"
+#include "gaze/sources/trace_reader.h"
 #include "tests/fuzz/harness.h"
 
 FOCI_FUZZ(tables) {

@@ -8,8 +8,7 @@
 #include <random>
 #include <sstream>
 
-#include "app/evaluation/chart/case_files.h"
-#include "app/evaluation/chart/import.h"
+#include "app/evaluation/chart/cases.h"
 #include "app/evaluation/scene_in_view.h"
 #include "app/graphics/image.h"
 #include "base/input_error.h"

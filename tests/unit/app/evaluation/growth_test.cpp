@@ -10,7 +10,6 @@
 #include <string>
 
 #include "app/evaluation/growth/growth.h"
-#include "app/evaluation/growth/page.h"
 
 namespace foci {
 namespace FOCI_FILE {

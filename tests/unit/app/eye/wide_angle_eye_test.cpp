@@ -1,12 +1,13 @@
 // What the schematic eye adds beside the line of sight, against Coddington's equations and
 // symmetry.
-#include "app/eye/wide_angle_eye.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "app/eye/visual_quality.h"
 
 namespace foci {
 namespace FOCI_FILE {

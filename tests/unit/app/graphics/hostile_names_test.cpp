@@ -18,7 +18,7 @@
 #include "app/replay/compare.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/recordings.h"
-#include "app/study/scene_text.h"
+#include "app/study/framing.h"
 #include "base/text.h"
 #include "tests/temporary_folder.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/replay/scene_voxels.h"
+#include "app/replay/scene_view.h"
 #include "render/lod/surface_query.h"
 
 namespace foci {

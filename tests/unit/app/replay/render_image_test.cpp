@@ -1,5 +1,4 @@
 // `foci render` goes through the frame pipeline of `foci replay`.
-#include "app/replay/render_image.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "app/session/session.h"
-#include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
 #include "base/quantile.h"
 #include "render/image/metrics.h"

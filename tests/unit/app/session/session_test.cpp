@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "app/session/observer_eye.h"
-#include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "tests/unit/render/gaussian_scenes.h"

@@ -1,6 +1,7 @@
-#include "app/study/scene_text.h"
 
 #include <gtest/gtest.h>
+
+#include "app/study/framing.h"
 
 namespace foci {
 namespace FOCI_FILE {

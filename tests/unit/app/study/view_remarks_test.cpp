@@ -1,4 +1,3 @@
-#include "app/study/view_remarks.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "app/study/load_scene.h"
 #include "app/study/session_settings_of.h"
 #include "render/scene/mesh/triangle_mesh.h"
 

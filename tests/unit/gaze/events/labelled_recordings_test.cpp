@@ -9,7 +9,7 @@
 #include "gaze/events/event_labels.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
-#include "gaze/sources/labelled.h"
+#include "gaze/sources/trace_reader.h"
 #include "tests/bench/training_data.h"
 #include "tests/unit/gaze/scratch.h"
 

@@ -1,5 +1,4 @@
 // Recordings with the labels of human coders, in tables as spreadsheets and scripts write them.
-#include "gaze/sources/labelled.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {

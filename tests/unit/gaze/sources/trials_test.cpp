@@ -1,5 +1,4 @@
 // Trials from the messages of a recording, and from the events of a BIDS data set.
-#include "gaze/sources/trials.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "gaze/sources/trace_reader.h"
+#include "gaze/sources/trace_summary.h"
 
 namespace foci {
 namespace FOCI_FILE {
