@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/calibrate/options.h"
-#include "app/calibrate/own_samples.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "base/input_error.h"

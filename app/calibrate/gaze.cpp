@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "app/calibrate/options.h"
-#include "app/calibrate/own_samples.h"
 #include "app/calibrate/windows.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"

@@ -11,8 +11,8 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/evaluation/reproduce/page.h"
-#include "app/evaluation/timed_runs.h"
+#include "app/evaluation/evaluated_methods.h"
+#include "app/evaluation/reproduce/reproduce.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/platform/progress.h"

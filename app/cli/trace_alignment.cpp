@@ -15,7 +15,6 @@
 #include "app/replay/scene_view.h"
 #include "app/study/inputs.h"
 #include "app/study/load_scene.h"
-#include "app/study/recorded_head.h"
 #include "app/study/study_request.h"
 #include "base/input_error.h"
 #include "base/text.h"

@@ -6,7 +6,6 @@
 #include "app/session/session.h"
 #include "app/study/gaze_calibration.h"
 #include "app/study/inputs.h"
-#include "app/study/recorded_head.h"
 #include "app/study/session_settings_of.h"
 #include "base/file.h"
 #include "base/input_error.h"

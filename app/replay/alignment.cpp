@@ -8,7 +8,7 @@
 
 #include "app/replay/scene_view.h"
 #include "app/study/framing.h"
-#include "app/study/recorded_head.h"
+#include "app/study/inputs.h"
 #include "base/parallel.h"
 #include "base/quantile.h"
 #include "base/rows.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/graphics/color_map.h"
+#include "app/graphics/figure.h"
 #include "app/graphics/video_writer.h"
 #include "app/replay/gaze_in_scene.h"
 #include "render/scene/scene.h"

@@ -13,7 +13,6 @@
 #include "app/replay/run_writer.h"
 #include "app/study/inputs.h"
 #include "app/study/load_scene.h"
-#include "app/study/recorded_head.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/study_text.h"
 #include "base/file.h"

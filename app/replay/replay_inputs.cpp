@@ -9,7 +9,6 @@
 
 #include "app/platform/sha256.h"
 #include "app/study/inputs.h"
-#include "app/study/recorded_head.h"
 #include "base/input_error.h"
 #include "base/parallel.h"
 #include "base/text.h"

@@ -1,3 +1,4 @@
+#include "app/graphics/figure.h"
 #include "app/replay/report_explorer.h"
 
 #include <algorithm>
@@ -5,7 +6,6 @@
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
 
-#include "app/graphics/color_map.h"
 #include "app/replay/figures.h"
 #include "base/base64.h"
 #include "base/text.h"

@@ -1,8 +1,7 @@
-#include "app/study/recorded_head.h"
-
 #include <cmath>
 #include <utility>
 
+#include "app/study/inputs.h"
 #include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"

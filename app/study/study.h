@@ -78,7 +78,7 @@ struct Study {
     std::optional<glm::dvec3> look_at_m;
     glm::dvec3 up{0.0, 1.0, 0.0};
     std::vector<EyeKeyframe> path;  ///< by time; empty: the eye stands still
-    /// The head of the recording, once it is read (recorded_head.h). No key sets it.
+    /// The head of the recording, once it is read (`withRecordedHead`). No key sets it.
     std::optional<EyePath> recorded;
   } eye;
 

@@ -9,7 +9,7 @@
 
 #include "base/text.h"
 #include "gaze/sources/recording_formats.h"
-#include "gaze/sources/space_layout.h"
+#include "gaze/sources/table_layout.h"
 
 namespace foci {
 namespace {

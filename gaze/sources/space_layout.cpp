@@ -1,5 +1,3 @@
-#include "gaze/sources/space_layout.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -7,6 +5,7 @@
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/recording_formats.h"
+#include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_row.h"
 
 namespace foci {

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/evaluation/chart/plan.h"
-#include "app/evaluation/chart/points.h"
+#include "app/evaluation/chart/chart.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_files.h"
 #include "render/image/frame.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "app/evaluation/chart/cases.h"
-#include "app/evaluation/chart/points.h"
+#include "app/evaluation/chart/chart.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/platform/json_text.h"
 #include "base/file.h"

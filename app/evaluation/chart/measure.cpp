@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 
-#include "app/evaluation/chart/points.h"
+#include "app/evaluation/chart/chart.h"
+#include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/evaluation_page.h"
-#include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
 #include "render/lod/moment_tree.h"
 #include "render/methods/quality_level.h"

@@ -8,9 +8,9 @@
 #include <span>
 #include <utility>
 
+#include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/excess_change.h"
-#include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
 #include "app/record/tables.h"
 #include "app/session/observer_eye.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "app/evaluation/cells.h"
-#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/chart/chart.h"
 #include "app/evaluation/scene_in_view.h"
 #include "render/optics/view.h"
 

@@ -1,9 +1,8 @@
-#include "app/evaluation/chart/panel.h"
-
 #include <algorithm>
 #include <sstream>
 #include <utility>
 
+#include "app/evaluation/chart/chart.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"

@@ -1,9 +1,8 @@
-#include "app/evaluation/chart/panel.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "app/evaluation/chart/chart.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/platform/machine.h"
 #include "base/text.h"

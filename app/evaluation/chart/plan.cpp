@@ -1,11 +1,11 @@
-#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/chart/chart.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/scene_in_view.h"
-#include "app/evaluation/timed_runs.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/methods/method.h"

@@ -1,5 +1,3 @@
-#include "app/evaluation/chart/points.h"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -10,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "app/evaluation/chart/chart.h"
 #include "app/record/tables.h"
 #include "base/parallel.h"
 #include "base/quantile.h"

@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/scene_in_view.h"
-#include "app/evaluation/timed_runs.h"
 #include "app/platform/machine.h"
 #include "base/input_error.h"
 #include "base/rows.h"

@@ -1,5 +1,3 @@
-#include "app/evaluation/reproduce/measure.h"
-
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "app/evaluation/timed_runs.h"
+#include "app/evaluation/evaluated_methods.h"
+#include "app/evaluation/reproduce/reproduce.h"
 #include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"

@@ -1,5 +1,3 @@
-#include "app/evaluation/reproduce/page.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <utility>
 
 #include "app/evaluation/evaluation_page.h"
+#include "app/evaluation/reproduce/reproduce.h"
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
 #include "app/platform/machine.h"

@@ -1,5 +1,3 @@
-#include "app/evaluation/reproduce/ratios.h"
-
 #include <malloc.h>
 #include <algorithm>
 #include <cassert>
@@ -8,7 +6,8 @@
 #include <limits>
 #include <string_view>
 
-#include "app/evaluation/timed_runs.h"
+#include "app/evaluation/evaluated_methods.h"
+#include "app/evaluation/reproduce/reproduce.h"
 
 namespace foci {
 namespace {

@@ -1,4 +1,4 @@
-#include "app/evaluation/reproduce/scenes.h"
+#include "app/evaluation/reproduce/reproduce.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,9 +9,7 @@
 #include <set>
 
 #include "app/evaluation/cells.h"
-#include "app/evaluation/chart/panel.h"
-#include "app/evaluation/chart/plan.h"
-#include "app/evaluation/chart/points.h"
+#include "app/evaluation/chart/chart.h"
 #include "app/evaluation/scene_in_view.h"
 #include "app/graphics/plot.h"
 #include "base/file.h"

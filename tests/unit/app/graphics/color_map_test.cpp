@@ -1,8 +1,8 @@
-#include "app/graphics/color_map.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "app/graphics/figure.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -7,7 +7,7 @@
 #include "gaze/follow/gaze_follower.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/space_layout.h"
+#include "gaze/sources/table_layout.h"
 
 namespace foci {
 namespace FOCI_FILE {

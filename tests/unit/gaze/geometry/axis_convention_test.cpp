@@ -1,6 +1,6 @@
-#include "gaze/geometry/axis_convention.h"
-
 #include <gtest/gtest.h>
+
+#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 namespace FOCI_FILE {

@@ -1,5 +1,4 @@
 // Gaze in space, read from tables that a study describes.
-#include "gaze/sources/space_layout.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "gaze/sources/table_layout.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
 

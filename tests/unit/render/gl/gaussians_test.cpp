@@ -1,7 +1,7 @@
 // The GPU renders the same picture of Gaussians as the CPU.
 #include <gtest/gtest.h>
 
-#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/chart/chart.h"
 #include "render/gl/gaussians.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/lens_gaussians.h"

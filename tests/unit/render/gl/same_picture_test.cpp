@@ -1,7 +1,7 @@
 // The GPU renders the same picture of surfels as the CPU.
 #include <gtest/gtest.h>
 
-#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/chart/chart.h"
 #include "render/lod/moment_tree.h"
 #include "tests/unit/render/gl/same_picture.h"
 #include "tests/unit/render/gl/test_device.h"

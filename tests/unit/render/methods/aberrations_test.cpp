@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/chart/chart.h"
 #include "base/quantile.h"
 #include "render/image/metrics.h"
 #include "render/methods/method.h"

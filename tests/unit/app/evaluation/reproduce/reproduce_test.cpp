@@ -5,11 +5,8 @@
 #include <limits>
 #include <sstream>
 
-#include "app/evaluation/reproduce/measure.h"
-#include "app/evaluation/reproduce/page.h"
-#include "app/evaluation/reproduce/ratios.h"
-#include "app/evaluation/reproduce/scenes.h"
-#include "app/evaluation/timed_runs.h"
+#include "app/evaluation/evaluated_methods.h"
+#include "app/evaluation/reproduce/reproduce.h"
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
 #include "base/base64.h"

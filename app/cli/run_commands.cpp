@@ -8,7 +8,9 @@
 #include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
+#include "app/replay/compare.h"
 #include "app/replay/figures.h"
+#include "base/input_error.h"
 #include "base/text.h"
 
 namespace foci {
@@ -50,6 +52,32 @@ CLI::Option* addNames(CLI::App& command, const char* option, auto& value, const 
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
 }
 
+struct CompareOptions {
+  std::vector<std::string> runs{};
+  std::string out{};
+  bool overwrite = false;
+};
+
+void runCompare(const CompareOptions& options) {
+  std::vector<std::filesystem::path> folders, inputs;
+  for (const std::string& named : options.runs) {
+    for (std::filesystem::path& run : runFolders(named)) folders.push_back(std::move(run));
+  }
+  if (folders.size() < 2) {
+    throw InputError("foci compare", "expected two or more folders of runs, or that of a batch");
+  }
+  for (const std::filesystem::path& folder : folders) {
+    for (const char* name : {"frames.tsv", "fixations.tsv", "saccades.tsv", "objects.tsv",
+                             "video.mp4", "manifest.json"}) {
+      inputs.push_back(folder / name);
+    }
+  }
+  compareRuns(folders, options.out,
+              OutputGuard(compareFiles(options.out), inputs, options.overwrite));
+  std::printf("%zu runs: %s\n", folders.size(),
+              visible((std::filesystem::path(options.out) / "compare.html").string()).c_str());
+}
+
 }  // namespace
 
 void addFiguresCommand(CLI::App& app) {
@@ -81,6 +109,22 @@ void addFiguresCommand(CLI::App& app) {
   addNames(*command, "--colors", options->colors, "colour map; default inferno", kColorMaps);
   addOverwriteFlag(*command, options->overwrite);
   onceParsed(*command, [options] { runFigures(*options); });
+}
+
+void addCompareCommand(CLI::App& app) {
+  const auto options = std::make_shared<CompareOptions>();
+  CLI::App* command =
+      app.add_subcommand("compare",
+                         "Compare runs of settings or of observers: fixations, blur, dwell "
+                         "times, overlap of gaze and images side by side.\n"
+                         "Example: foci compare out/old out/young --out out/both");
+  addOption(*command, "RUNS", options->runs, "DIR",
+            "folders that foci replay wrote, of runs or of batches; the others are compared with "
+            "the first")
+      ->required();
+  addOption(*command, "--out", options->out, "DIR", "folder of the results")->required();
+  addOverwriteFlag(*command, options->overwrite);
+  onceParsed(*command, [options] { runCompare(*options); });
 }
 
 }  // namespace foci
