@@ -3,7 +3,6 @@
 
 #include "app/calibrate/options.h"
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 
 namespace foci {
 namespace {

@@ -8,7 +8,6 @@
 #include <type_traits>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/evaluation/chart/cases.h"
 #include "app/evaluation/chart/chart.h"
 #include "app/evaluation/chart/motion.h"

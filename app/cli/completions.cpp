@@ -1,7 +1,6 @@
-#include "app/cli/completions.h"
-
 #include <algorithm>
 
+#include "app/cli/commands.h"
 #include "app/study/study.h"
 #include "render/methods/method.h"
 

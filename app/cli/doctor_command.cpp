@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/live/sources.h"
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"

@@ -4,8 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
-#include "app/cli/trace_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"

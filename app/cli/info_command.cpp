@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/replay/replay.h"

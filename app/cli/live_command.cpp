@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/live/options.h"
 #include "app/live/record.h"
 #include "app/live/sources.h"

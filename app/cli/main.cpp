@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "app/cli/commands.h"
-#include "app/cli/completions.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/shell.h"
 #include "app/platform/version.h"

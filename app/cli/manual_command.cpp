@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "app/cli/commands.h"
-#include "app/cli/completions.h"
-#include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
 #include "app/platform/version.h"
 #include "base/text.h"

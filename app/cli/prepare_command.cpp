@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/platform/json_text.h"
 #include "app/prepare/prepare.h"
 #include "app/study/framing.h"

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/replay/part.h"

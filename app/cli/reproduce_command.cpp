@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/reproduce/reproduce.h"
 #include "app/platform/json_text.h"

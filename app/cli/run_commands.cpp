@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "app/replay/compare.h"

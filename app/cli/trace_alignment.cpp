@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/cli/option_values.h"
-#include "app/cli/trace_options.h"
+#include "app/cli/commands.h"
 #include "app/graphics/html.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"

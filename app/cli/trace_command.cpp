@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
-#include "app/cli/trace_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/webcam/watch.h"

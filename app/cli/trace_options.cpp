@@ -1,6 +1,4 @@
-#include "app/cli/trace_options.h"
-
-#include "app/cli/option_values.h"
+#include "app/cli/commands.h"
 #include "app/study/study.h"
 #include "app/study/study_request.h"
 #include "app/study/study_words.h"

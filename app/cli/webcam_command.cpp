@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "app/cli/commands.h"
-#include "app/cli/option_values.h"
 #include "app/webcam/watch.h"
 
 namespace foci {

@@ -14,7 +14,6 @@
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"
 #include "app/replay/report_charts.h"
-#include "app/replay/run_changes.h"
 #include "app/replay/scene_view.h"
 #include "app/session/frame_record.h"
 #include "app/study/study.h"

@@ -1,8 +1,7 @@
-#include "app/replay/run_changes.h"
-
 #include <algorithm>
 
 #include "app/graphics/html.h"
+#include "app/replay/report_charts.h"
 #include "base/text.h"
 
 namespace foci {

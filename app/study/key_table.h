@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/nearest.h"

@@ -9,7 +9,6 @@
 #include "app/study/eye_tables.h"
 #include "app/study/gaze_calibration.h"
 #include "app/study/inputs.h"
-#include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/text.h"

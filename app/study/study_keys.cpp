@@ -1,11 +1,11 @@
 // The table of keys, and how TOML (toml11) sets them.
-#include "app/study/study_keys.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "app/study/key_table.h"
+#include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/rows.h"
 #include "base/text.h"

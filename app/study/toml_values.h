@@ -7,15 +7,18 @@
 #include <charconv>
 #include <concepts>
 #include <filesystem>
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "app/study/study.h"
 #include "app/study/study_words.h"
 #include "base/text.h"
 #include "calibration/toml_file.h"
@@ -249,5 +252,24 @@ inline std::string shownValue(const toml::value& value) {
   const std::string text = lineOf(value);
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
+
+// The keys of a study.
+
+using KeyNames = std::set<std::string, std::less<>>;
+
+/// Sets every key of a TOML document.
+/// @param file  for messages
+/// @return the names of the keys set
+/// @throws InputError naming file, line, key and value where the table of keys forbids something
+KeyNames setKeys(Study& study, const TomlDocument& document, const std::string& file);
+
+/// Sets one key, which the table must have (asserted). @throws Expected
+void setKey(Study& study, std::string_view key, const toml::value& value);
+
+/// Whether a key of the screen decides angles: with it, the study names its screen.
+bool decidesAngles(std::string_view key);
+
+/// A text from outside, made printable and short for a message.
+std::string shownName(std::string_view name);
 
 }  // namespace foci

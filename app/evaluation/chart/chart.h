@@ -13,7 +13,6 @@
 
 #include "app/evaluation/cells.h"
 #include "app/evaluation/evaluated_methods.h"
-#include "app/evaluation/evaluation_choice.h"
 #include "app/evaluation/scene_in_view.h"
 #include "app/graphics/plot.h"
 #include "render/image/frame.h"

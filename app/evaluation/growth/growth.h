@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "app/evaluation/evaluation_choice.h"
+#include "app/evaluation/evaluated_methods.h"
 #include "app/graphics/drawing.h"
 #include "render/methods/quality_level.h"
 

@@ -11,7 +11,6 @@
 
 #include "app/evaluation/cells.h"
 #include "app/evaluation/evaluated_methods.h"
-#include "app/evaluation/evaluation_choice.h"
 #include "app/evaluation/stability/scenes.h"
 #include "app/graphics/drawing.h"
 

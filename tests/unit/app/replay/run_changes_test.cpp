@@ -1,5 +1,3 @@
-#include "app/replay/run_changes.h"
-
 #include <gtest/gtest.h>
 
 #include <glm/gtc/quaternion.hpp>

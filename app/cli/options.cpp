@@ -1,7 +1,6 @@
-#include "app/cli/option_values.h"
-
 #include <cmath>
 
+#include "app/cli/commands.h"
 #include "app/platform/output_files.h"
 #include "base/input_error.h"
 #include "base/parallel.h"
