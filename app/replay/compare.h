@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/platform/output_guard.h"
-#include "app/replay/finished_run.h"
+#include "app/replay/figures.h"
 
 namespace foci {
 

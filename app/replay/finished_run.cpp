@@ -1,11 +1,10 @@
-#include "app/replay/finished_run.h"
-
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "app/platform/sha256.h"
+#include "app/replay/figures.h"
 #include "app/study/study_text.h"
 #include "base/file.h"
 #include "base/input_error.h"
