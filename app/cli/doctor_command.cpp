@@ -78,11 +78,11 @@ Json cacheJson() {
 
 #ifdef FOCI_PUPIL
 bool trackerAnswers(const std::string& place) {
-  const NamedSource tracker = openLiveSource("pupil:" + place, Study{});
+  const auto tracker = openPupil("pupil:" + place, {});
   std::vector<GazeSample> samples;
   for (double now_s = 0.0; now_s < kPatience_s; now_s += 0.01) {
-    tracker.source->poll(now_s, samples);
-    if (tracker.source->status().find("no answer") == std::string::npos) return true;
+    tracker->poll(now_s, samples);
+    if (tracker->status().find("no answer") == std::string::npos) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return false;

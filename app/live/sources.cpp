@@ -24,20 +24,6 @@ namespace {
 constexpr double kMouse_Hz = 250.0;   // as a common tracker
 constexpr double kPushed_Hz = 500.0;  // between common trackers, 60 to 2000 Hz
 
-std::unique_ptr<LiveSource> openPupil(const std::string& name, const Screen& screen) {
-  const std::size_t colon = name.rfind(':');
-  const auto port = parseNumber(name.substr(colon + 1));
-  if (colon <= 5 || !port || *port != static_cast<int>(*port)) {
-    throw InputError("--source " + shown(name), "expected pupil:HOST:PORT");
-  }
-#ifdef FOCI_PUPIL
-  return std::make_unique<PupilSource>(name.substr(6, colon - 6), static_cast<int>(*port), screen);
-#else
-  (void)screen;
-  throw InputError("--source " + shown(name), "built without Pupil (FOCI_PUPIL=OFF)");
-#endif
-}
-
 void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named) {
   std::optional<WebcamReference> reference;
   WebcamMapping map;
@@ -171,6 +157,20 @@ void openRecording(const std::string& file, const Study& study, NamedSource& nam
 }
 
 }  // namespace
+
+std::unique_ptr<LiveSource> openPupil(const std::string& name, const Screen& screen) {
+  const std::size_t colon = name.rfind(':');
+  const auto port = parseNumber(name.substr(colon + 1));
+  if (colon <= 5 || !port || *port != static_cast<int>(*port)) {
+    throw InputError("--source " + shown(name), "expected pupil:HOST:PORT");
+  }
+#ifdef FOCI_PUPIL
+  return std::make_unique<PupilSource>(name.substr(6, colon - 6), static_cast<int>(*port), screen);
+#else
+  (void)screen;
+  throw InputError("--source " + shown(name), "built without Pupil (FOCI_PUPIL=OFF)");
+#endif
+}
 
 NamedSource openLiveSource(const std::string& name, const Study& study) {
   NamedSource named{.source = nullptr, .screen = study.screenInForce()};

@@ -43,6 +43,10 @@ struct NamedSource {
   std::optional<Study> study = {};
 };
 
+/// @param name  pupil:HOST:PORT
+/// @throws InputError
+std::unique_ptr<LiveSource> openPupil(const std::string& name, const Screen& screen);
+
 /// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; lsl[:NAME]; socket[:RATE];
 ///   webcam[:N|FILE]. A map of foci calibrate gaze in the study is applied to all but the mouse.
 /// @throws InputError for an unknown source

@@ -199,5 +199,12 @@ TEST(Report, OfASteadyRunHasAFixedPupil) {
   EXPECT_FALSE(says(page, "changed during the run"));
 }
 
+TEST(Words, DoctorWarnsOfNoTrackerThatItAsks) {
+  const TemporaryFolder folder;
+  const Outcome doctor = runFoci({"doctor", "--json"}, folder.path());
+  EXPECT_EQ(doctor.exit_code, 0);
+  EXPECT_FALSE(says(doctor.err, "foci: ")) << doctor.err;
+}
+
 }  // namespace FOCI_FILE
 }  // namespace foci::e2e
