@@ -204,15 +204,16 @@ std::string GazeWatch::arrive(double now_s, const std::vector<GazeSample>& sampl
   if (!looked_) return "";
   if (!since_s_) since_s_ = now_s;
   dropped_ += dropped;
+  if (dropped > 0) why_ = why;
+  if (dropped > 0 || !samples.empty()) arrived_s_ = now_s;
   for (const GazeSample& sample : samples) {
     const bool has_point = sample.point_px && !sample.blink;
     ++(has_point ? pointed_ : pointless_);
     if (has_point) oldest_s_ = std::max(oldest_s_, now_s - sample.time_s);
   }
-  const bool arrives = dropped_ + pointless_ + pointed_ > 0;
-  if (dropped > 0 || !arrives) why_ = why;
   if (now_s - *since_s_ <= kUnused_s) return "";
-  const std::string reasons = arrives ? this->reasons(now_s) : "none arrives (" + why_ + ")";
+  const bool arrives = now_s - arrived_s_ <= kUnused_s;
+  const std::string reasons = arrives ? this->reasons(now_s) : "none arrives (" + why + ")";
   remark_ = (arrives ? "gaze arrives, but none of it has been used for "
                      : "gaze has not been used for ") +
             decimal(now_s - *since_s_, 0) + " s: " + reasons;

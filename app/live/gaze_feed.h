@@ -2,6 +2,7 @@
 // tracker.
 #pragma once
 
+#include <cmath>
 #include <condition_variable>
 #include <cstddef>
 #include <mutex>
@@ -45,7 +46,8 @@ class GazeWatch {
   bool looked_ = false;              // there was a frame: before it, the scene is still loading
   double looked_s_ = 0.0;            // at the latest frame
   bool unused_now_ = false;          // since `since_s_`
-  std::optional<double> since_s_{};  // gaze has arrived and not been used
+  std::optional<double> since_s_{};  // no gaze has been used
+  double arrived_s_ = -INFINITY;     // at the latest gaze
   std::size_t dropped_ = 0, pointless_ = 0, pointed_ = 0;  // of it
   double oldest_s_ = 0.0;                                  // on arrival, of those with a point
   std::string why_{};

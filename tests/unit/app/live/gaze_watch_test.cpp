@@ -77,6 +77,12 @@ TEST(GazeWatch, SaysAfterASecondThatNoneIsUsedAndWhy) {
   EXPECT_EQ(silent.remark_at_3_s, "gaze has not been used for 3 s: none arrives (they are odd)");
   EXPECT_EQ(silent.watch.unused().size(), 1u);
 
+  // A tracker that loses the eyes before it ends.
+  const Told ended =
+      play({.samples = [](double now_s) { return now_s < 0.5 ? loss(now_s) : none(now_s); },
+            .uses_gaze = never});
+  EXPECT_EQ(ended.remark_at_3_s, silent.remark_at_3_s);
+
   const Told old =
       play({.samples = [](double now_s) { return gaze(now_s - 2.5); }, .uses_gaze = never});
   EXPECT_NE(old.remark_at_3_s.find("150 samples up to 2.5 s old"), std::string::npos)
