@@ -46,7 +46,7 @@ class LiveWindow {
   void takeFrames();
   void requireRecord();
   void draw();
-  void showFrame(bool of_headset);
+  void showFrame(const Study& study);
   void showOutside();
   void shown(double swap_s);
   void toggleRecord();

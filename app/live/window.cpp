@@ -243,7 +243,7 @@ void LiveWindow::draw() {
   const bool has_panels = panel_ || help_ || showsTimeline();
   if (!window_->begin(glm::vec3(0.0f), has_panels)) leaving_ = true;
   const LiveState state = renderer_->state();
-  if (frame_) showFrame(state.study.display.kind == DisplayKind::headset);
+  if (frame_) showFrame(state.study);
   const double now_s = clock_.now_s();
   if (state.notice != notice_) {
     notice_ = state.notice;
@@ -303,14 +303,18 @@ void LiveWindow::showOutside() {
 }
 
 /// Fills the window, or its corner above the outside view. A headset's view keeps its shape. On a
-/// screen the image is the study's whole screen.
-void LiveWindow::showFrame(bool of_headset) {
+/// screen the image is the study's whole screen; in a window of two such screens, one for each eye.
+void LiveWindow::showFrame(const Study& study) {
+  const bool of_headset = study.display.kind == DisplayKind::headset;
   const int views = headset_ ? 2 : 1;
   GpuTexture* const on_gpu = frame_->texture.get();
   const glm::ivec2 image_px = on_gpu ? on_gpu->size_px() : in_texture_->size_px;
   const glm::ivec2 view_px = image_px / glm::ivec2(views, 1);
   const glm::ivec2 window_px = window_->frameBufferSize_px();
-  area_ = Area::inside(window_px, of_headset ? view_px : screen_.size_px);
+  const Area both = Area::inside(window_px, viewsAcross(study.output.view) * screen_.size_px);
+  area_ = of_headset                  ? Area::inside(window_px, view_px)
+          : both.size_px == window_px ? both
+                                      : Area::inside(window_px, screen_.size_px);
   showOutside();
   if (on_gpu) {
     texture_->fillFrom(on_gpu->beginShow(), image_px, area_, views);

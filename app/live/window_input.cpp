@@ -117,12 +117,13 @@ void LiveWindow::steer(const std::vector<int>& pressed) {
   const double now_s = clock_.now_s();
   const glm::dvec2 at_px = window_->cursor_px();
   const double wheel = window_->takeWheel();
+  const double height_px = frame_ && !outside_ ? area_.size_px.y : window_->size_px().y;
   const Steering input{
       .walk = walkOf(pressed),
       .fast = window_->isDown(GLFW_KEY_LEFT_SHIFT) || window_->isDown(GLFW_KEY_RIGHT_SHIFT),
       .drag = dragNow(),
       .drag_px = at_px - std::exchange(cursor_px_, at_px),
-      .tangent_per_px = screen_.size_m.y / screen_.distance_m / window_->size_px().y,
+      .tangent_per_px = screen_.size_m.y / screen_.distance_m / height_px,
       .wheel = ImGui::GetIO().WantCaptureMouse ? 0.0 : wheel,
       .passed_s = moves_ ? std::min(now_s - steered_s_, kMaxPassed_s) : kFirst_s};
   steered_s_ = now_s;

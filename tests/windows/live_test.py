@@ -378,6 +378,17 @@ def keep_the_shape(_, foci, out):
         leave(program, experiment)
     finally:
         observer.close()
+    observer = Observer(640, 180)  # two screens, one for each eye
+    try:
+        program, experiment = start(observer, foci, out + "/plane.toml", "--set", "scene.background=[1, 1, 1]",
+                                    "--view", "side-by-side")
+        observer.press("F11")
+        experiment.rendered(0.5)
+        rows = observer.pixels()[2]
+        assert any(rows[90][:9]) and any(rows[90][-9:]), "all of the 640 x 180 px"
+        leave(program, experiment)
+    finally:
+        observer.close()
 
 
 def main():
