@@ -35,8 +35,7 @@ constexpr double kDay_s = 86'400.0;
 /// A date and the blank or T behind it: the year first, as "2026-11-26T" or "2026/11/26 ", or the
 /// day first with dots, "26.11.2026 ". Then "10:00:00.123"; some programs write a decimal comma, a
 /// colon before three digits of milliseconds, or one digit of an hour. At last "Z", "+02:00",
-/// "+0200",
-/// "+02" or nothing.
+/// "+0200", "+02" or nothing.
 constexpr const char* kClockText =
     "(?:(?:(\\d{4})([-/])(\\d{2})\\2(\\d{2})|(\\d{1,2})\\.(\\d{1,2})\\.(\\d{4}))[Tt ])?"
     "(\\d{1,2}):(\\d{2}):(\\d{2})(?::(\\d{3})|[.,](\\d{1,9}))?"
