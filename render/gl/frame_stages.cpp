@@ -326,7 +326,7 @@ GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene) {
                                 lensRadius_m(view, defocus)};
   block.size.z = coarse ? kApron * kMaxStep_px : 0;
   block.size.w = coarse;
-  block.cells.z = blurred;
+  block.cells.z = !blurred ? 0 : request.aperture < 1.0f ? 1 : 2;
   block.cells.w = scene.isOriented();
   block.scene = {static_cast<int>(scene.surfelCount()), scene.levels(), block.scene.z,
                  scene.isTransparent()};

@@ -71,16 +71,16 @@ std::string sharedConstants() {
          FOCI_SHARED(kHidden, kOverlap, kWidestSupport2, kReach2, kLargest_px2, kOpaqueWeight,
                      kNoise, kAnother, kPartial, kDensityPeak, kDensityBend, kArcSine,
                      kDiscVariancePerRadius2, kTile, kApron, kMostSamples, kMaxStep_px, kKeyBits,
-                     kSigmasAStep, kBlurredSteps, kRippleSteps, kSubAperturesFrom_px, kSubAperturesOnly_px,
-                     kLongAxis, kComaOverlap, kMinTilt, kLeastCos2, kRounding, kHighlight, kFiner,
-                     kCoarser, kFrontCover, kTwoSurfaces, kMeanScale, kMeanNoise, kFoldScale,
-                     kFoldMean, kSegmentBend, kChord12, kChord4, kChord0, kHalfDiscMoment, kCutFade,
-                     kWidestReach, kEdgeOn, kLowPassReach_px, kLowPass_px2, kMaxAlphaOfGaussian,
-                     kOpaqueTransmittance, kFieldMargin, kSigmaPerBlur, kVergenceReach,
-                     kMaxPeakExponent, kMinAlpha, kHarmonicsStep, kHarmonic1, kHarmonic2a,
-                     kHarmonic2b, kHarmonic2c, kHarmonic3a, kHarmonic3b, kHarmonic3c, kHarmonic3d,
-                     kHarmonic3e, kKernelShapes, kMaxExponent, kJustNoticeable, kLinearBelow,
-                     kLinearSlope, kXyzOfWhite, kLabOfCurve, kLight);
+                     kSigmasAStep, kBlurredSteps, kRippleSteps, kSubAperturesFrom_px,
+                     kSubAperturesOnly_px, kLongAxis, kComaOverlap, kMinTilt, kLeastCos2, kRounding,
+                     kHighlight, kFiner, kCoarser, kFrontCover, kTwoSurfaces, kMeanScale,
+                     kMeanNoise, kFoldScale, kFoldMean, kSegmentBend, kChord12, kChord4, kChord0,
+                     kHalfDiscMoment, kCutFade, kWidestReach, kEdgeOn, kLowPassReach_px,
+                     kLowPass_px2, kMaxAlphaOfGaussian, kOpaqueTransmittance, kFieldMargin,
+                     kSigmaPerBlur, kVergenceReach, kMaxPeakExponent, kMinAlpha, kHarmonicsStep,
+                     kHarmonic1, kHarmonic2a, kHarmonic2b, kHarmonic2c, kHarmonic3a, kHarmonic3b,
+                     kHarmonic3c, kHarmonic3d, kHarmonic3e, kKernelShapes, kMaxExponent,
+                     kJustNoticeable, kLinearBelow, kLinearSlope, kXyzOfWhite, kLabOfCurve, kLight);
 #undef FOCI_SHARED
 }
 

@@ -98,7 +98,7 @@ inline constexpr float kRippleSteps = 4.0f;
 
 /// The ramp under the blur of the whole aperture.
 inline CoverageRamp rampUnderBlur(float blur_steps) {
-  const float t = std::min(blur_steps / kRippleSteps, 1.0f);
+  const float linear = std::min(blur_steps / kRippleSteps, 1.0f), t = linear * linear;
   return {glm::mix(kSharpRamp.linear_to, kBlurredRamp.linear_to, t),
           glm::mix(kSharpRamp.opaque_from, kBlurredRamp.opaque_from, t)};
 }

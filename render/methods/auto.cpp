@@ -1,8 +1,8 @@
 // The default method. It picks the cheapest quality level whose predicted error stays within
-// `quality.tolerance`. A few squares of the frame at each level are compared with the mean of many
-// pinhole views (spot_check.h), a part of them in each frame. Until all are compared, `auto`
-// renders at a level that suffices for most scenes. Under a frame-time budget, which may
-// force a cheaper level, a table predicts the error from the largest blur in view
+// `quality.tolerance`. A few squares of the frame at each level are compared with the mean of what
+// many small parts of the lens see (spot_check.h), some of them in each frame. Until all are
+// compared, `auto` renders at a level that suffices for most scenes. Under a frame-time budget,
+// which may force a cheaper level, a table predicts the error from the largest blur in view
 // (quality_level_table.cpp). `auto:N` always renders at one level. Source: our own. Known failure:
 // a detail that the squares miss exceeds the prediction.
 #include <algorithm>
@@ -111,15 +111,12 @@ class AutoMethod final : public Method {
   }
 
  private:
-  /// A level's settings under the observer's acuity. Coma beside the line of sight is seen through
-  /// sub-apertures: they are as close as views, in a fraction of the time.
+  /// A level's settings under the observer's acuity.
   static LodSettings lodOf(QualityLevel of, const RenderSettings& settings, float blur_px) {
     const Quality& quality = settings.quality;
-    const bool views = of == QualityLevel::views, parts = views && shownField(settings.defocus);
-    const LevelSettings& level = settingsOf(parts ? QualityLevel::fine : of);
+    const LevelSettings& level = settingsOf(of);
     LodSettings lod = level.lod;
-    lod.parts = parts;
-    if (views && !parts) lod.views = viewsOfTruth(blur_px);
+    if (of == QualityLevel::thorough) lod.parts = partsOfTruth(settings, blur_px);
     if (level.lod.cut.acuity == Acuity{}) {
       lod.cut.acuity = quality.acuity;
     } else {  // the softer of both
@@ -204,9 +201,10 @@ class AutoMethod final : public Method {
   /// tolerance.
   QualityLevel levelOfStill(QualityLevel first, float tolerance, float blur_px) const {
     if (expectedError(first, blur_px) <= tolerance) return first;
-    const bool views =
-        expectedError(QualityLevel::views, blur_px) < expectedError(QualityLevel::fine, blur_px);
-    return views ? QualityLevel::views : QualityLevel::fine;
+    return expectedError(QualityLevel::thorough, blur_px) <
+                   expectedError(QualityLevel::fine, blur_px)
+               ? QualityLevel::thorough
+               : QualityLevel::fine;
   }
 
   /// @param tolerance  of the study: no relaxed error allows a frame without blur
@@ -280,8 +278,7 @@ class AutoMethod final : public Method {
   void check(QualityLevel first, const UnblurredView& view, const RenderSettings& settings,
              float blur_px) {
     const bool now = settings.quality.check != ErrorCheck::over_frames;
-    const bool still =  // with a field, `views` is compared last
-        settings.quality.check == ErrorCheck::of_still && !shownField(settings.defocus);
+    const bool still = settings.quality.check == ErrorCheck::of_still;
     const auto isThis = [&](const CheckedFrame& of) {
       return of.view == view && of.defocus == settings.defocus;
     };
@@ -316,10 +313,7 @@ class AutoMethod final : public Method {
       for (std::size_t i = 0; i < (all ? compared_.size() : 1); ++i) {
         measured.error[static_cast<std::size_t>(compared_[i])] = running_->error(i);
       }
-      // Where `views` was compared, too, the truth's own error adds to it.
-      auto& of_views = measured.error[static_cast<std::size_t>(QualityLevel::views)];
-      const std::optional<float> of_truth = running_->errorOfViews();
-      of_views = of_views && of_truth ? std::hypot(*of_views, *of_truth) : of_truth;
+      measured.error[static_cast<std::size_t>(QualityLevel::thorough)] = running_->errorOfTruth();
       if (running_bin == bin) measured_ = measured;
       if (all) checked_[running_bin] = measured;
     }
@@ -331,7 +325,6 @@ class AutoMethod final : public Method {
     compared_ = {first};
     std::ranges::copy_if(kCompared, std::back_inserter(compared_),
                          [&](QualityLevel level) { return level != first; });
-    if (shownField(settings.defocus)) compared_.push_back(QualityLevel::views);
     std::vector<LodSettings> levels;
     for (const QualityLevel level : compared_) {
       levels.push_back(lodOf(level, settings, blur_px));

@@ -49,7 +49,7 @@ int discsOf(QualityLevel level) {
       return 7;
     case QualityLevel::fine:
       return 19;
-    case QualityLevel::views:
+    case QualityLevel::thorough:
       return 61;
     default:
       return 0;

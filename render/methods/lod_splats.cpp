@@ -99,7 +99,7 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
     sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
     return render(view, sharp, lod, frame);
   }
-  if (hasParts(settings) || ((lod.views > 0 || lod.parts) && isBlurred(settings))) {
+  if (hasParts(settings) || (!lod.parts.empty() && isBlurred(settings))) {
     return renderParts(view, settings, lod, frame);
   }
   LodSettings softened = lod;
@@ -109,11 +109,10 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
 
 RenderStats LodSplats::renderParts(const View& view, const RenderSettings& settings,
                                    const LodSettings& lod, Frame& frame) {
-  const bool areas = lod.views == 0;
   RenderStats stats;
-  meanOfParts(areas ? partsFor(settings.defocus, settings.pupil, lod.sub_apertures)
-                    : lensPoints(settings.defocus, settings.pupil, lensSamples(lod.views)),
-              areas ? settings.pupil.diffraction_px : 0.0f, part_, frame,
+  const bool given = !lod.parts.empty();
+  meanOfParts(given ? lod.parts : partsFor(settings.defocus, settings.pupil, lod.sub_apertures),
+              given ? 0.0f : settings.pupil.diffraction_px, part_, frame,
               [&](const LensPart& part, Frame& to) {
                 stats.add(renderPart(view, settings, lod, part, to));
               });
@@ -127,7 +126,7 @@ RenderStats LodSplats::renderPart(const View& view, const RenderSettings& settin
   of_part.defocus = part.defocus;
   LodSettings detail = lod;
   detail.cut.acuity =
-      part.radius > 0.0f ? widened(lod.cut.acuity, part) : widened(lod.cut.acuity, settings.pupil);
+      lod.parts.empty() ? widened(lod.cut.acuity, part) : widened(lod.cut.acuity, settings.pupil);
   detail.cut.per_blur2 *= part.radius * part.radius;
   detail.sub_apertures = 1;
   if (gpu_) {

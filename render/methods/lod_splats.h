@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "render/gl/splats.h"
 #include "render/lod/cut.h"
@@ -23,9 +25,9 @@ struct LodSettings {
   /// different images (`Pupil::hasParts`) takes this many, or more, over the whole image.
   int sub_apertures = 1;
   float low_pass_px = 0.0f;  ///< standard deviation of the low-pass that `cut` is made for
-  int views = 0;  ///< render the mean of so many pinhole views through points of the lens instead
-  bool sharp = false;  ///< render without blur
-  bool parts = false;  ///< `sub_apertures` over the whole image, not only where surfaces overlap
+  bool sharp = false;        ///< render without blur
+  /// Render the mean of what these see instead; diffraction then widens the prefilter of each.
+  std::vector<LensPart> parts = {};
   /// On the CPU a larger cut is rendered strip by strip, each of its own cut: a splat takes about
   /// 150 bytes.
   std::size_t max_splats = std::size_t{4} << 20;
@@ -65,7 +67,7 @@ class LodSplats {
   };
   RenderStats renderLens(const View& view, const RenderSettings& settings, const LodSettings& lod,
                          Frame& frame);
-  /// The mean of what the parts of the lens see, each in a whole-aperture pass of its own.
+  /// The mean of what the parts of the lens see, each in a pass of its own.
   RenderStats renderParts(const View& view, const RenderSettings& settings, const LodSettings& lod,
                           Frame& frame);
   GpuRequest gpuRequest(const View& view, const RenderSettings& settings,

@@ -27,7 +27,7 @@ enum class QualityLevel : std::uint8_t {
   soft,           ///< everything low-passed, from very few nodes
   softest,        ///< the same with twice the low-pass
   // The best, where none of the first ones meets the tolerance.
-  views,  ///< the mean of pinhole views through points of the lens
+  thorough,  ///< many sub-apertures over the whole image
 };
 
 inline constexpr std::size_t kQualityLevels = 9;
@@ -35,7 +35,7 @@ inline constexpr std::size_t kQualityLevels = 9;
 /// The levels that the tolerance chooses from, from the cheapest to the best.
 inline constexpr std::array kToleranceLevels{
     QualityLevel::sharp,         QualityLevel::coarse, QualityLevel::whole_aperture,
-    QualityLevel::sub_apertures, QualityLevel::fine,   QualityLevel::views};
+    QualityLevel::sub_apertures, QualityLevel::fine,   QualityLevel::thorough};
 
 /// The method that renders at these levels, as files and the command line name it.
 inline constexpr std::string_view kAutoMethod = "auto";

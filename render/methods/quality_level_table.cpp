@@ -53,7 +53,7 @@ const std::array<LevelSettings, kQualityLevels> kLevels{
     LevelSettings{{coarserBy(1.0f), 1}, {0.5f, 0.5f, 4.0f, 5.7f, 5.8f, 6.2f}},
     LevelSettings{softerBy(30.0f, 6.0f), {19.0f, 19.0f, 13.2f, 12.8f, 12.7f, 12.7f}},
     LevelSettings{softerBy(30.0f, 12.0f), {26.0f, 26.0f, 21.5f, 14.5f, 13.1f, 13.0f}},
-    LevelSettings{{.cut = kPixelCut}, {0.1f, 0.1f, 0.4f, 0.7f, 0.7f, 0.7f}}};
+    LevelSettings{{.cut = kPixelCut}, {0.1f, 0.1f, 0.15f, 0.25f, 0.25f, 0.25f}}};
 
 constexpr std::array<float, kQualityLevels> kRelativeTimes{13.0f, 14.0f, 16.0f, 32.0f, 35.0f,
                                                            1.1f,  3.0f,  1.0f,  420.0f};
@@ -72,8 +72,6 @@ float LevelSettings::error(float blur_px) const {
 const LevelSettings& settingsOf(QualityLevel level) {
   return kLevels[static_cast<std::size_t>(level)];
 }
-
-int viewsOfTruth(float blur_px) { return blur_px == 0.0f ? 4 : blur_px <= 12.0f ? 32 : 64; }
 
 std::span<const float> relativeTimes() { return kRelativeTimes; }
 

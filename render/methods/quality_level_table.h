@@ -27,11 +27,6 @@ struct LevelSettings {
 
 const LevelSettings& settingsOf(QualityLevel level);
 
-/// What squares of a frame are compared with (spot_check.h), and what level `views` renders: the
-/// mean of so many pinhole views through points of the lens.
-/// @param blur_px  the largest blur radius in view, >= 0
-int viewsOfTruth(float blur_px);
-
 /// Relative times of the levels, in the order of `QualityLevel`: the first guess before any level
 /// was timed. Measured on the gallery at 1280 x 720.
 std::span<const float> relativeTimes();

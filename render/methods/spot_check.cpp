@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <numeric>
 
 #include "base/parallel.h"
 #include "base/quantile.h"
 #include "render/image/metrics.h"
 #include "render/methods/lens_samples.h"
-#include "render/methods/quality_level_table.h"
 #include "render/splat/sweep.h"
 
 namespace foci {
@@ -23,10 +21,16 @@ constexpr std::size_t kSquares = 144;
 /// Fewer squares than one in so many do not tell the error.
 constexpr std::size_t kOneInSquares = 4;
 
-/// As where the variance falls with the cube of the number of views. On 14 frames of 5 scenes at 3
-/// to 25 px, the estimate from halves is .69 to 1.54 times the error against 600 views (median
-/// 1.03); without this bound .42 to 1.54 times (median .82).
-constexpr float kLargestFall = 8.0f;
+/// The error of the truth over the difference of its halves. Parts of each half leave half of the
+/// lens open, so the halves err by much more than all parts: on 18 frames of 7 scenes with 3 to 25
+/// px of blur, against 400 views, the ratio is .03 to .09. Points: their variance falls at most
+/// with the cube of their number, so that the mean of two halves that differ by D errs by
+/// D / sqrt(4 (8 - 1)).
+constexpr float kPartsOfHalves = 0.09f, kPointsOfHalves = 0.19f;
+
+/// The truth merges so much of what levels merge: on a fence of 96 px, their merging alone errs by
+/// .1 just-noticeable differences.
+constexpr float kMerged = 0.25f;
 
 /// A level of a square takes about as long as this many views of it.
 constexpr std::size_t kViewsALevel = 8;
@@ -55,16 +59,18 @@ std::vector<float> apartOf(const std::vector<glm::vec3>& a, const std::vector<gl
   return apart;
 }
 
-float sumOfSquares(const std::vector<float>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0f,
-                         [](float sum, float each) { return sum + each * each; });
-}
-
 void addTo(Frame& sum, float weight, const Frame& frame) {
   for (std::size_t p = 0; p < frame.rgba.size(); ++p) sum.rgba[p] += weight * frame.rgba[p];
 }
 
 }  // namespace
+
+std::vector<LensPart> partsOfTruth(const RenderSettings& settings, float blur_px) {
+  const int n = blur_px == 0.0f ? 4 : blur_px <= 12.0f ? 32 : 64;
+  if (settings.pupil.hasParts())
+    return lensPoints(settings.defocus, settings.pupil, lensSamples(4 * n));
+  return lensParts(settings.defocus, withoutDiffraction(settings.pupil), n);
+}
 
 SpotCheck::SpotCheck(std::shared_ptr<const MomentTree> tree, const View& view,
                      const RenderSettings& settings, float blur_px, std::vector<LodSettings> levels)
@@ -72,7 +78,7 @@ SpotCheck::SpotCheck(std::shared_ptr<const MomentTree> tree, const View& view,
       settings_(settings),
       blur_px_(blur_px),
       levels_(std::move(levels)),
-      points_(lensPoints(settings.defocus, settings.pupil, lensSamples(viewsOfTruth(blur_px)))) {
+      parts_(partsOfTruth(settings, blur_px)) {
   settings_.depth = false;
   const glm::ivec2 tiles = (view.size_px + kSquare_px - 1) / kSquare_px;
   const auto all = static_cast<std::size_t>(tiles.x) * static_cast<std::size_t>(tiles.y);
@@ -83,7 +89,7 @@ SpotCheck::SpotCheck(std::shared_ptr<const MomentTree> tree, const View& view,
     square.view = view;
     square.view.size_px = glm::min(glm::ivec2(kSquare_px), view.size_px - square.corner_px);
     square.view.principal_px -= glm::vec2(square.corner_px);
-    for (Frame& each : square.quarters) each.resize(square.view.size_px);
+    for (Frame& each : square.halves) each.resize(square.view.size_px);
     square.apart.resize(levels_.size());
     squares_.push_back(std::move(square));
   }
@@ -113,6 +119,7 @@ std::unique_ptr<SpotCheck::Buffers> SpotCheck::idleBuffers() {
 /// ranges are much larger than squares.
 Cut SpotCheck::cutOf(const View& view) const {
   CutSettings settings = kPixelCut;
+  settings.per_pixel2 *= kMerged;
   settings.acuity = widened(levels_.front().cut.acuity, settings_.pupil);
   settings.margin_px = static_cast<int>(std::ceil(blur_px_)) + 1;
   Cut all, seen;
@@ -149,10 +156,10 @@ Frame SpotCheck::render(const Job& job) {
     lod.cut.acuity = acuity;
     buffers->levels.render(square.view, settings_, lod, frame);
   } else {
-    const LensPart& part = points_[*job.view];
+    const LensPart& part = parts_[*job.view];
     projectCut(*tree_, square.cut, viewOfPart(square.view, part), part.defocus,
                {.lens = part.centre,
-                .aperture = 0.0f,
+                .aperture = part.radius,
                 .acuity = widened(acuity, settings_.pupil),
                 .lighting = settings_.lighting},
                buffers->chunks);
@@ -169,42 +176,21 @@ Frame SpotCheck::render(const Job& job) {
 }
 
 void SpotCheck::compareViews(Square& square) const {
-  const auto labOfMean = [&](std::initializer_list<std::size_t> quarters) {
+  const auto labOf = [&](std::initializer_list<std::size_t> halves) {
     Frame mean;
     mean.resize(square.view.size_px);
     float light = 0.0f;
-    for (const std::size_t q : quarters) {
-      for (std::size_t i = q; i < points_.size(); i += 4) light += points_[i].weight;
+    for (const std::size_t h : halves) {
+      for (std::size_t i = h; i < parts_.size(); i += 2) light += parts_[i].weight;
     }
-    for (const std::size_t q : quarters) addTo(mean, 1.0f / light, square.quarters[q]);
-    return labOf(mean, kUsualPx_per_deg);
+    for (const std::size_t h : halves) addTo(mean, 1.0f / light, square.halves[h]);
+    return foci::labOf(mean, kUsualPx_per_deg);
   };
-  square.truth = labOfMean({0, 1, 2, 3});
-  square.halves_apart = apartOf(labOfMean({0, 2}), labOfMean({1, 3}));
-  square.halves2 = sumOfSquares(square.halves_apart);
-  square.quarters2 = 0.5f * (sumOfSquares(apartOf(labOfMean({0}), labOfMean({2}))) +
-                             sumOfSquares(apartOf(labOfMean({1}), labOfMean({3}))));
+  square.truth = labOf({0, 1});
+  square.halves_apart = apartOf(labOf({0}), labOf({1}));
   square.apart[0] = apartOf(square.first, square.truth);
-  square.quarters = {};
+  square.halves = {};
   square.cut = {};
-}
-
-/// The root mean square error of the truth over the difference of its halves.
-///
-/// Let V(n) be the variance of the error of a mean of n views. Two means of n views that differ by
-/// D, root mean square, have a mean with V(2 n) = V(n) - D^2 / 4. Here D is known for halves and
-/// for quarters. Where V falls by the same factor c from quarters to halves and from halves to all
-/// views, c is the ratio of both D^2, and V of all views D^2 / (4 (c - 1)). Independent views have
-/// c = 2, and none err more alike. Quarters lie on two arms of the sunflower, so their error is
-/// larger than that of as many evenly spread views: c is at most kLargestFall.
-float SpotCheck::noiseOfHalves() const {
-  float halves2 = 0.0f, quarters2 = 0.0f;
-  for (const Square& square : squares_) {
-    halves2 += square.halves2;
-    quarters2 += square.quarters2;
-  }
-  const float c = halves2 > 0.0f ? std::clamp(quarters2 / halves2, 2.0f, kLargestFall) : 2.0f;
-  return 0.5f / std::sqrt(c - 1.0f);
 }
 
 void SpotCheck::step() {
@@ -222,11 +208,11 @@ void SpotCheck::step() {
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     const auto& [number, level, view] = jobs[i];
     Square& square = squares_[number];
-    if (view) addTo(square.quarters[*view % 4], points_[*view].weight, frames[i]);
+    if (view) addTo(square.halves[*view % 2], parts_[*view].weight, frames[i]);
     if (level == 0u) square.first = labOf(frames[i], kUsualPx_per_deg);
   }
   parallelFor(jobs.size(), [&](std::size_t i) {
-    if (jobs[i].view && *jobs[i].view + 1 == points_.size()) compareViews(squares_[jobs[i].square]);
+    if (jobs[i].view && *jobs[i].view + 1 == parts_.size()) compareViews(squares_[jobs[i].square]);
   });
   parallelFor(jobs.size(), [&](std::size_t i) {
     if (jobs[i].level.value_or(0) == 0) return;
@@ -249,22 +235,13 @@ std::optional<float> SpotCheck::quantileOf(const ValuesOf& valuesOf) const {
 }
 
 std::optional<float> SpotCheck::error(std::size_t level) const {
-  const float noise = noiseOfHalves();
-  return quantileOf([&](const Square& square) {
-    // Without the truth's noise, whose share differs from square to square.
-    std::vector<float> apart = square.apart[level];
-    const float all2 = sumOfSquares(apart);
-    const float noise2 = noise * noise * square.halves2;
-    const float kept = all2 > noise2 ? std::sqrt(1.0f - noise2 / all2) : 0.0f;
-    for (float& each : apart) each *= kept;
-    return apart;
-  });
+  return quantileOf([&](const Square& square) { return square.apart[level]; });
 }
 
-std::optional<float> SpotCheck::errorOfViews() const {
+std::optional<float> SpotCheck::errorOfTruth() const {
   const auto halves = quantileOf([](const Square& square) { return square.halves_apart; });
   if (!halves) return std::nullopt;
-  return noiseOfHalves() * *halves;
+  return (settings_.pupil.hasParts() ? kPointsOfHalves : kPartsOfHalves) * *halves;
 }
 
 }  // namespace foci

@@ -16,10 +16,16 @@
 
 namespace foci {
 
-/// Compares squares of one frame with the truth: the mean of pinhole views through points of the
-/// lens. Up to 144 squares of 16 px are spread evenly over the view. They are rendered bit by bit,
-/// in a fixed order, so that the work can be spread over many frames. The CPU renders, whatever
-/// renders the frames: both then choose the same level.
+/// What small parts of the lens see is, in the mean, the truth that levels are compared with, and
+/// what level `thorough` renders. As many points of the lens err by two to five times as much; but
+/// where the wavefront differs over the lens, they share no fault with the levels.
+/// @param blur_px  the largest blur radius in view, >= 0
+std::vector<LensPart> partsOfTruth(const RenderSettings& settings, float blur_px);
+
+/// Compares squares of one frame with the truth. Up to 144 squares
+/// of 16 px are spread evenly over the view. They are rendered bit by bit, in a fixed order, so
+/// that the work can be spread over many frames. The CPU renders, whatever renders the frames: both
+/// then choose the same level.
 class SpotCheck {
  public:
   /// @param blur_px  the largest blur radius in view
@@ -39,19 +45,18 @@ class SpotCheck {
   /// Absent before a level was compared in a quarter of the squares.
   std::optional<float> error(std::size_t level) const;
 
-  /// The same for the truth itself, from the differences of parts of its views.
-  std::optional<float> errorOfViews() const;
+  /// The same for the truth itself, from the difference of its halves.
+  std::optional<float> errorOfTruth() const;
 
  private:
   struct Square {
     glm::ivec2 corner_px;
     View view;
-    Cut cut;                                 // of its views; empty before and after them
-    std::array<Frame, 4> quarters;           // sums of views
-    std::vector<glm::vec3> first, truth;     // as the eye sees them
-    std::vector<float> halves_apart;         // of the truth
-    float halves2 = 0.0f, quarters2 = 0.0f;  // sums of squared differences; of quarters, a pair's
-    std::vector<std::vector<float>> apart;   // from the truth, by level
+    Cut cut;                                // of its views; empty before and after them
+    std::array<Frame, 2> halves;            // sums of views
+    std::vector<glm::vec3> first, truth;    // as the eye sees them
+    std::vector<float> halves_apart;        // of the truth
+    std::vector<std::vector<float>> apart;  // from the truth, by level
   };
   /// The level or the view that a job renders.
   struct Job {
@@ -59,12 +64,11 @@ class SpotCheck {
     std::optional<std::size_t> level, view;
   };
   /// Of a square: the first level, then the views.
-  std::size_t firstJobs() const { return 1 + points_.size(); }
+  std::size_t firstJobs() const { return 1 + parts_.size(); }
   Job job(std::size_t number) const;
   Cut cutOf(const View& view) const;
   Frame render(const Job& job);
   void compareViews(Square& square) const;
-  float noiseOfHalves() const;
   template <typename ValuesOf>
   std::optional<float> quantileOf(const ValuesOf& valuesOf) const;
   struct Buffers {
@@ -79,7 +83,7 @@ class SpotCheck {
   RenderSettings settings_;
   float blur_px_;
   std::vector<LodSettings> levels_;
-  std::vector<LensPart> points_;
+  std::vector<LensPart> parts_;
   std::vector<Square> squares_;
   std::size_t done_ = 0, views_a_step_;
   std::mutex mutex_;

@@ -187,7 +187,9 @@ SurfelArrays arraysOf(const SurfelCloud& cloud) {
 }
 
 void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
-  const bool lens = blurs(job), field = lens && job.field, across = field || job.astigmatism > 0.0f,
+  // A part of the lens is too small to need lens points.
+  const bool lens = blurs(job) && job.aperture == 1.0f, field = lens && job.field,
+             across = lens && (field || job.astigmatism > 0.0f),
              sub_apertures = job.sub_aperture > 0.0f;
   if (chunks.capacity < splats) {
     chunks = {};

@@ -63,7 +63,8 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
   std::size_t fragments = 0;
 
   explicit Sweep(const TileJob& tile_job)
-      : Base(tile_job.samples, tile_job.coverage, kLens ? tile_job.ramp : kSharpRamp), job(tile_job) {}
+      : Base(tile_job.samples, tile_job.coverage, kLens ? tile_job.ramp : kSharpRamp),
+        job(tile_job) {}
 
   /// Adds the splats of the batch, block by block, and empties it.
   HWY_INLINE void flush(const Splat* splats) {
@@ -248,11 +249,12 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
         const Light& light = tile[y / kBlock * columns + x / kBlock].light;
         const unsigned i = y % kBlock * kBlock + x % kBlock;
         const float transmittance = light.transmittance[i];
-        job.rgba[y * side + x] +=
-            share * glm::vec4(light.red[i] + transmittance * job.background[0],
-                              light.green[i] + transmittance * job.background[1],
-                              light.blue[i] + transmittance * job.background[2],
-                              1.0f - transmittance);
+        glm::vec4& sum = job.rgba[y * side + x];
+        sum += share * glm::vec4(light.red[i] + transmittance * job.background[0],
+                                 light.green[i] + transmittance * job.background[1],
+                                 light.blue[i] + transmittance * job.background[2],
+                                 1.0f - transmittance);
+        sum.a = std::min(sum.a, 1.0f);  // of rounded shares
         if (kDepth) job.depth_m[y * side + x] += share * light.distance[i];
       }
     }

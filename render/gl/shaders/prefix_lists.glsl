@@ -25,7 +25,7 @@ void main() {
     if (count > longest_list) atomicMax(longest_list, count);
     ivec4 tile = tiles[i];
     if (tile.z == 0) continue;
-    uint kind = cells.z != 0 && blur_px[i] > kBlurredSteps * float(tile.w) ? 1u : 0u;
+    uint kind = cells.z == 2 && blur_px[i] > kBlurredSteps * float(tile.w) ? 1u : 0u;
     uint side = uint(samplesOf(tile) + kGroup - 1) / uint(kGroup);
     uint at = atomicAdd(work[kind], side * side);
     for (uint k = 0u; k < side * side; ++k, ++at) {

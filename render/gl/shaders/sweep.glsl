@@ -256,7 +256,7 @@ void main() {
   coverage = closingFactor(blur_px[index]);
 #ifdef LENS
   ramp = mix(vec2(kLinearToSharp, kOpaqueFromSharp), vec2(kLinearToBlurred, kOpaqueFromBlurred),
-             min(blur_px[index] / (kRippleSteps * float(tiles[index].w)), 1.0));
+             square(min(blur_px[index] / (kRippleSteps * float(tiles[index].w)), 1.0)));
 #endif
   meridian = meridian_oblong.xy;
   oblong = meridian_oblong.zw;
@@ -283,7 +283,8 @@ void main() {
           centres[sub_aperture].xy, shift_px);
   if (exists) {
     vec4 value = vec4(light + transmittance * background, 1.0 - transmittance);
-    samples[to] = before * samples[to] + each * value;
+    vec4 sum = before * samples[to] + each * value;
+    samples[to] = vec4(sum.rgb, min(sum.a, 1.0));  // of rounded shares
 #ifdef DEPTH
     depths[to] = before * depths[to] + each * light_m;
 #endif

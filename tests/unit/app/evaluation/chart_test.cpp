@@ -93,7 +93,7 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
   one.visible_error = 1.25;
   one.expected_error = 1.5;
   one.tolerance_met = false;
-  one.quality_level = QualityLevel::views;
+  one.quality_level = QualityLevel::thorough;
   one.on_frontier = true;
   one.flip = 0.125;
   one.renderer = "2.0, mine";

@@ -214,7 +214,7 @@ TEST(AutoOfAnEye, StaysWithinItsPrediction) {
     Frame frame, reference;
     const RenderStats stats =
         makeMethod("auto", in_view.scene)->render(in_view.view, settings, frame);
-    makeMethod("accumulate:64", in_view.scene)->render(in_view.view, settings, reference);
+    makeMethod("accumulate:256", in_view.scene)->render(in_view.view, settings, reference);
     auto differences = visibleDifference(frame, reference, kUsualPx_per_deg);
     EXPECT_LE(quantile(differences, 0.95), *stats.tolerance_error) << scene.id;
     EXPECT_NE(*stats.quality_level, QualityLevel::sharp) << scene.id;

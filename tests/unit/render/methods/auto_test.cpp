@@ -188,7 +188,7 @@ TEST_F(AutoTest, RendersSubAperturesWhereSurfacesOverlap) {
   EXPECT_GT(quantile(error_of_whole, 0.95), 1.0f);
   EXPECT_LT(quantile(error, 0.95), 0.8f * quantile(error_of_whole, 0.95));
   // The stripes are so small and so near that 7 sub-apertures do not meet the tolerance.
-  EXPECT_EQ(*stats.quality_level, QualityLevel::views);
+  EXPECT_EQ(*stats.quality_level, QualityLevel::thorough);
   EXPECT_TRUE(stats.tolerance_met);
   EXPECT_LE(quantile(error, 0.95), *stats.tolerance_error);
   // Until that is measured, frames are fine, and say what is known of their error.
@@ -198,7 +198,7 @@ TEST_F(AutoTest, RendersSubAperturesWhereSurfacesOverlap) {
   RenderSettings strict = checked(blurred, ErrorCheck::of_still);
   strict.quality.tolerance = 0.01f;
   renderedBy("auto", crossing, ahead, strict, &stats);
-  EXPECT_EQ(*stats.quality_level, QualityLevel::views);
+  EXPECT_EQ(*stats.quality_level, QualityLevel::thorough);
   EXPECT_EQ(stats.tolerance_met, false);
 }
 

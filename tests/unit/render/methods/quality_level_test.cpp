@@ -23,7 +23,7 @@ TEST(QualityLevel, ItsNumbersStayTheSame) {
   EXPECT_EQ(textOf(QualityLevel::whole_aperture), "auto:3");
   EXPECT_EQ(textOf(QualityLevel::fine), "auto:5");
   EXPECT_EQ(textOf(QualityLevel::softest), "auto:8");
-  EXPECT_EQ(textOf(QualityLevel::views), "auto:9");
+  EXPECT_EQ(textOf(QualityLevel::thorough), "auto:9");
 }
 
 TEST(QualityLevel, OtherTextIsNoLevel) {

@@ -65,7 +65,7 @@ TEST_F(SpotCheckTest, MeasuresTheErrorAgainstManyViews) {
     EXPECT_NEAR(*check.error(level), expected, 0.25f * expected) << level;
   }
   EXPECT_LT(*check.error(1), *check.error(0));
-  EXPECT_LT(*check.errorOfViews(), 0.5f);
+  EXPECT_LT(*check.errorOfTruth(), 0.5f);
 }
 
 // No surfel that a square shows is left out of its views: without blur they are the frame.
@@ -73,7 +73,7 @@ TEST_F(SpotCheckTest, ASharpFrameIsItsOwnTruth) {
   SpotCheck check = checkOf(blurredBy(0.0f, 0.0f));
   while (!check.isDone()) check.step();
   EXPECT_LT(*check.error(2), 0.01f);
-  EXPECT_EQ(*check.errorOfViews(), 0.0f);
+  EXPECT_LT(*check.errorOfTruth(), 1e-4f);  // rounding of the parts' shares
 }
 
 }  // namespace FOCI_FILE
