@@ -8,6 +8,7 @@
 #include "base/quantile.h"
 #include "render/image/metrics.h"
 #include "render/methods/lens_samples.h"
+#include "render/optics/lens_field.h"
 #include "render/splat/sweep.h"
 
 namespace foci {
@@ -63,11 +64,16 @@ void addTo(Frame& sum, float weight, const Frame& frame) {
   for (std::size_t p = 0; p < frame.rgba.size(); ++p) sum.rgba[p] += weight * frame.rgba[p];
 }
 
+/// Whether the lens is no disc of one vergence.
+bool hasWavefront(const RenderSettings& settings) {
+  return settings.pupil.hasParts() || shownField(settings.defocus);
+}
+
 }  // namespace
 
 std::vector<LensPart> partsOfTruth(const RenderSettings& settings, float blur_px) {
   const int n = blur_px == 0.0f ? 4 : blur_px <= 12.0f ? 32 : 64;
-  if (settings.pupil.hasParts())
+  if (hasWavefront(settings))
     return lensPoints(settings.defocus, settings.pupil, lensSamples(4 * n));
   return lensParts(settings.defocus, withoutDiffraction(settings.pupil), n);
 }
@@ -241,7 +247,7 @@ std::optional<float> SpotCheck::error(std::size_t level) const {
 std::optional<float> SpotCheck::errorOfTruth() const {
   const auto halves = quantileOf([](const Square& square) { return square.halves_apart; });
   if (!halves) return std::nullopt;
-  return (settings_.pupil.hasParts() ? kPointsOfHalves : kPartsOfHalves) * *halves;
+  return (hasWavefront(settings_) ? kPointsOfHalves : kPartsOfHalves) * *halves;
 }
 
 }  // namespace foci

@@ -176,8 +176,8 @@ TEST(Chart, ScoresStabilityAndContinuesAfterAKill) {
   ASSERT_EQ(csv.size() - 1, 3u * (3 + 6));  // values, methods and observers
   EXPECT_EQ(csv[0][0], "scene");
   for (std::size_t i = 1; i <= 3 * 3; ++i) {
-    // In focus, the wall may be covered without an error.
-    EXPECT_TRUE(csv[i][3] == "pinhole" || std::stod(csv[i][4]) > 0.0) << csv[i][3];
+    // In focus, or by coarse nodes, the wall may be covered without an error.
+    EXPECT_TRUE(csv[i][3] != "sweep" || std::stod(csv[i][4]) > 0.0) << csv[i][2];
     EXPECT_EQ(csv[i].back(), "yes")
         << csv[i][2] << " " << csv[i][3];  // each method covers the wall
   }
