@@ -14,9 +14,10 @@ void GpuSplats::start(const GpuRequest& request) {
   GpuFrameBlock block = frameBlockOf(request, *scene_);
   stages_.setField(request.defocus, request.lens, request.aperture);
   cut_ = request.cut.has_value() && scene_->levels() > 0;
-  blurred_ = block.cells.z != 0;
-  astigmatic_ = blurred_ && (isAstigmatic(request.defocus) || shownField(request.defocus));
-  by_sub_apertures_ = blurred_ && request.sub_aperture_centres.size() > 1;
+  const bool blurred = block.cells.z != 0;
+  lens_ = block.cells.z == 2;
+  astigmatic_ = blurred && (isAstigmatic(request.defocus) || shownField(request.defocus));
+  by_sub_apertures_ = blurred && request.sub_aperture_centres.size() > 1;
   if (!by_sub_apertures_) block.sub_aperture_shading.z = 1.0f;
   block.room.w = static_cast<int>(firstRangeNode(scene_->surfelCount()));
   stages_.start(block, cut_);
@@ -43,7 +44,7 @@ void GpuSplats::makeRoom(const GpuRequest& request) {
   }
   room(own_.splats_a, entries * 2 * kVector_bytes, "the splats");
   room(own_.splats_b, entries * 2 * kVector_bytes, "the splats");
-  if (blurred_) {
+  if (lens_) {
     room(own_.lenses, entries * (astigmatic_ ? 2 : 1) * kVector_bytes, "the lens points");
   }
   if (by_sub_apertures_) {
@@ -78,14 +79,14 @@ void GpuSplats::project() {
   const GpuFrameStages::Buffers& common = stages_.buffers();
   std::string defines;
   if (cut_) defines += "#define CUT\n";
-  if (blurred_) defines += "#define LENS\n";
+  if (lens_) defines += "#define LENS\n";
   if (astigmatic_) defines += "#define ASTIGMATIC\n";
   if (by_sub_apertures_) defines += "#define SUB_APERTURES\n";
   if (bodies_) defines += "#define BODIES\n";
   const GLuint program = stages_.bind(
       "project", defines,
       {cut_ ? &common.entries : nullptr, cut_ ? &scene.node_places : nullptr, nullptr, nullptr,
-       &own_.splats_a, &common.keys, &scene.shapes, nullptr, blurred_ ? &own_.lenses : nullptr,
+       &own_.splats_a, &common.keys, &scene.shapes, nullptr, lens_ ? &own_.lenses : nullptr,
        by_sub_apertures_ ? &own_.sharper : nullptr, nullptr, &own_.splats_b,
        bodies_ ? &own_.outside : nullptr, bodies_ && cut_ ? &scene.facing : nullptr});
   // Of large arrays a shader sees a window at a time: one pass for each.
@@ -109,13 +110,13 @@ void GpuSplats::sweep(const GpuRequest& request) {
         "sweep", variant + defines + "#define WORK_KIND " + std::to_string(kind) + "u\n",
         {&common.work, &common.tiles, &common.blurs, &common.ranges, &common.lists, &own_.splats_a,
          &own_.splats_b, nullptr, &common.samples, request.depth ? &common.depths : nullptr,
-         blurred_ ? &own_.lenses : nullptr, by_sub_apertures_ ? &own_.sharper : nullptr,
+         lens_ ? &own_.lenses : nullptr, by_sub_apertures_ ? &own_.sharper : nullptr,
          &own_.overlaps, &common.work, by_sub_apertures_ ? &own_.centres : nullptr});
     return offsetof(GpuTotals, sweep_groups) + kind * sizeof(glm::uvec4);
   };
   const std::string astigmatic = astigmatic_ ? "#define ASTIGMATIC\n" : "";
   stages_.dispatchIndirect(pass(0, {}));
-  if (blurred_) stages_.dispatchIndirect(pass(1, "#define LENS\n" + astigmatic));
+  if (lens_) stages_.dispatchIndirect(pass(1, "#define LENS\n" + astigmatic));
   if (!by_sub_apertures_) return;
   const std::size_t groups = pass(2, "#define SUB_APERTURES\n" + astigmatic);
   for (std::size_t i = 0; i < request.sub_aperture_centres.size(); ++i) {

@@ -43,7 +43,7 @@ class GpuSplats {
   std::shared_ptr<GpuDevice> device_;
   GpuFrameStages stages_;
   Buffers own_;
-  bool cut_ = false, blurred_ = false, astigmatic_ = false, by_sub_apertures_ = false;
+  bool cut_ = false, lens_ = false, astigmatic_ = false, by_sub_apertures_ = false;
   bool bodies_ = false;
 };
 

@@ -22,10 +22,9 @@ namespace foci {
 /// @param blur_px  the largest blur radius in view, >= 0
 std::vector<LensPart> partsOfTruth(const RenderSettings& settings, float blur_px);
 
-/// Compares squares of one frame with the truth. Up to 144 squares
-/// of 16 px are spread evenly over the view. They are rendered bit by bit, in a fixed order, so
-/// that the work can be spread over many frames. The CPU renders, whatever renders the frames: both
-/// then choose the same level.
+/// Compares squares of one frame with the truth. Up to 144 squares of 16 px are spread evenly over
+/// the view. They are rendered bit by bit, in a fixed order, so that the work can be spread over
+/// many frames. The CPU renders, whatever renders the frames: both then choose the same level.
 class SpotCheck {
  public:
   /// @param blur_px  the largest blur radius in view

@@ -14,7 +14,8 @@ layout(std140, binding = 0) uniform Frame {
   vec4 sub_aperture_shading;   // radius of a sub-aperture, shading, number of sub-apertures;
                                // the lens's radius, metres
   ivec4 size;                  // image width, height, margin, samples may be coarse
-  ivec4 cells;                 // columns, rows of the smallest tiles; blurred (1: by a part of the lens), oriented
+  ivec4 cells;                 // columns, rows of the smallest tiles; blurred (1: by a part of the
+                               // lens, 2: by all of it), oriented
   ivec4 scene;                 // surfels or Gaussians, levels of nodes, distance along the axis,
                                // has opacity; of Gaussians: low-pass preserves light
   ivec4 room;                  // entries of the cut, of the tile lists, work items;
