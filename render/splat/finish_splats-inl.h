@@ -24,8 +24,9 @@
 #define FOCI_FINISH_SPLATS_ONCE
 namespace foci {
 
-/// The factor on the kernels of closed bodies (`kFrontCover`).
-inline float frontCover(float blur_px) { return 1.0f + kFrontCover / (1.0f + blur_px * blur_px); }
+/// The factor on the kernels of closed bodies (`kFrontCover`). By the blur of the whole lens, so
+/// that its parts and points see the same surface.
+inline float frontCover(float blur_px2) { return 1.0f + kFrontCover / (1.0f + blur_px2); }
 
 /// Where splats are written; all but the first two may be null.
 struct SplatsOut {
@@ -194,7 +195,9 @@ HWY_INLINE void finishLanes(const ProjectJob& job, const ProjectedLanes& lanes,
     Appearance look = appearanceOf(k);
     if (look.one_sided) {
       if (lanes.behind_m[k] > job.lens_m) continue;
-      look.weight *= frontCover(job.lens_px_per_D * lanes.out_of_focus_D[k]);
+      const float defocus_D = lanes.defocus_D[k];
+      look.weight *= frontCover(job.lens_px_per_D * job.lens_px_per_D *
+                                (defocus_D * defocus_D + glm::dot(job.j, job.j)));
     }
     if (!finishSplat(job, lanes, k, look, out.splats[count])) continue;
     out.keys[count] = keyOf(job, lanes, k, out.splats[count]);

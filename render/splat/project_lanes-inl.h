@@ -84,6 +84,7 @@ struct ProjectedLanes {
                                                              // root of both axes' mean square
   alignas(64) float narrow[kCapacity];             // unblurred variance over squared blur radius
   alignas(64) float added[kCapacity];              // variance that merging added, of one axis
+  alignas(64) float defocus_D[kCapacity];          // without astigmatism
   alignas(64) float out_of_focus_D[kCapacity];     // along the nearest meridian
   alignas(64) float out_across_D[kCapacity] = {};  // across it; astigmatic lens only
   LensScales lens, lens_across;  // of a lens that blurs; across: astigmatic lens only
@@ -447,6 +448,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
                     out.lens);
   }
   storeSlant(job, c, f, out);
+  hn::Store(c.out_of_focus_D, d, out.defocus_D);
   hn::Store(c.x_px, d, out.x);
   hn::Store(c.y_px, d, out.y);
   hn::Store(vxx, d, out.vxx);

@@ -284,7 +284,8 @@ void projectEntry(uint slot) {
   bool from_outside = body != kSeveral && outside[body] != 0u;
   if (from_outside && !both_sides) {
     if (towards > sub_aperture_shading.w) return;
-    weight *= 1.0 + kFrontCover / (1.0 + view_px.z * view_px.w * square(lane.off_D));
+    float off2 = square(from_focus_D) + dot(focus.yz, focus.yz);
+    weight *= 1.0 + kFrontCover / (1.0 + view_px.z * view_px.w * off2);
   }
 #endif
   lane.away = towards * inv_sight;
