@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/quantile.h"
+#include "render/image/metrics.h"
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/mesh/sample_mesh.h"
@@ -200,6 +202,28 @@ TEST(ClosedSurfaces, LeakNoBackgroundAtCrests) {
   // With lens points no hole is closed, but kernels are wider.
   expectNoLeaks(shape, {"sweep", "auto:4"}, {0.6f, 1.2f}, {1.0f, 2.0f}, kFewPoints,
                 2.0 * kMagnified);
+}
+
+/// Kernels of closed bodies reach a little farther, by the blur of the whole lens.
+TEST(ClosedSurfaces, PartsAndPointsOfAnAstigmaticLensAgree) {
+  constexpr double kSampling = 0.2;  // of the lens, just-noticeable differences
+  TriangleMesh mesh;
+  for (int i = 0; i < 100; ++i) {
+    addBox(mesh,
+           {0.2f * static_cast<float>(i % 10 - 5), 0.2f * static_cast<float>(i / 10 - 5), 0.0f},
+           glm::vec3(0.1f));
+  }
+  mesh = finishedMesh(std::move(mesh), glm::vec3(0.0f));
+  const SurfelCloud cloud = surfelsFromPoints(sampleMesh(mesh, "boxes", {.points = kPoints}));
+  ASSERT_FALSE(cloud.bodies.of_surfel.empty());
+  RenderSettings settings;
+  settings.lighting.background = glm::vec3(1.0f);
+  settings.defocus = {.radius_px_per_D = glm::vec2(10.0f), .astigmatism_D = {0.2f, 0.1f}};
+  Frame parts, points;
+  makeMethod("sweep:37", cloud)->render(viewFrom(0.2f, 0.5f), settings, parts);
+  makeMethod("accumulate:300", cloud)->render(viewFrom(0.2f, 0.5f), settings, points);
+  std::vector<float> apart = visibleDifference(parts, points, kUsualPx_per_deg);
+  EXPECT_LT(quantile(apart, 0.95), kSampling);
 }
 
 /// How far the outline of a rectangle moves out, by its area over its length. Samples are denser
