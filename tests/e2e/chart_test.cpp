@@ -6,6 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "tests/e2e/binary.h"
 
@@ -142,8 +144,10 @@ TEST(Chart, ContinuesAfterAKill) {
   // What is measured once stays.
   const Json after = Json::parse(folder.read("out/cells/scan_4px_sweep.json"));
   EXPECT_EQ(after.at("first_ms"), before.at("first_ms"));
-  for (const auto& [threads, ms] : before.at("ms").items()) {  // earlier timed runs stay
-    for (std::size_t run = 0; run < ms.size(); ++run) EXPECT_EQ(after["ms"][threads][run], ms[run]);
+  using Times = std::map<int, std::vector<double>>;  // by threads
+  const Times all = after.at("ms").get<Times>();
+  for (const auto& [threads, ms] : before.at("ms").get<Times>()) {  // earlier timed runs stay
+    for (std::size_t run = 0; run < ms.size(); ++run) EXPECT_EQ(all.at(threads).at(run), ms[run]);
   }
 
   // Only cells of another program, and damaged cells, are measured again.
