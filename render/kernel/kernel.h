@@ -91,9 +91,8 @@ struct CoverageRamp {
 /// `Sweep.RendersNothingBehindAnOpaqueSheet` bound them.
 inline constexpr CoverageRamp kSharpRamp{0.85f, 0.95f}, kBlurredRamp{0.98f, 0.995f};
 
-/// Blur radius, in distances of samples, that leaves hardly any of the ripple. Chosen by hand:
-/// twice as much made edges worse, half as much surfaces; `ClosedSurfaces.LeakNoBackgroundAtCrests`
-/// bounds it.
+/// Blur radius, in distances of samples, that leaves hardly any of the ripple. Chosen by hand: with
+/// more, edges err more, with less, surfaces; `ClosedSurfaces.LeakNoBackgroundAtCrests` bounds it.
 inline constexpr float kRippleSteps = 4.0f;
 
 /// The ramp under the blur of the whole aperture.

@@ -59,7 +59,7 @@ inline constexpr float kBlurredSteps = 0.5f;
 
 /// Blur radii in pixels. Up to the first a tile uses the whole aperture, from the second on
 /// sub-apertures alone. In between it mixes both, so that a moving focus does not pop. Chosen by
-/// hand: with 2 and 4 px, foliage and bars with 3 px of blur erred by 4 to 8 times as much.
+/// hand; `ClosedSurfaces.FoliageWithALittleBlurIsAsViewsShowIt` bounds them.
 inline constexpr float kSubAperturesFrom_px = 1.0f, kSubAperturesOnly_px = 2.0f;
 
 // Layers.

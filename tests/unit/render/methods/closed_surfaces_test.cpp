@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/gtc/constants.hpp>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -224,6 +225,35 @@ TEST(ClosedSurfaces, PartsAndPointsOfAnAstigmaticLensAgree) {
   makeMethod("accumulate:300", cloud)->render(viewFrom(0.2f, 0.5f), settings, points);
   std::vector<float> apart = visibleDifference(parts, points, kUsualPx_per_deg);
   EXPECT_LT(quantile(apart, 0.95), kSampling);
+}
+
+/// Where leaves partly hide each other, each point of the lens sees others, at a blur of a few
+/// pixels, too.
+TEST(ClosedSurfaces, FoliageWithALittleBlurIsAsViewsShowIt) {
+  constexpr double kError = 0.6, kPredicted = 1.5;  // just-noticeable differences; over the error
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> place_m(-0.8f, 0.8f);
+  TriangleMesh mesh;
+  for (int i = 0; i < 300; ++i) {
+    const glm::vec3 at(place_m(random), place_m(random), place_m(random));
+    addBox(mesh, at, i % 2 == 0 ? glm::vec3(0.15f, 0.04f, 0.01f) : glm::vec3(0.04f, 0.15f, 0.01f));
+  }
+  mesh = finishedMesh(std::move(mesh), glm::vec3(0.0f));
+  const SurfelCloud cloud = surfelsFromPoints(sampleMesh(mesh, "leaves", {.points = kPoints}));
+  RenderSettings settings;
+  settings.lighting.background = glm::vec3(1.0f);
+  settings.defocus = {.radius_px_per_D = glm::vec2(75.0f), .focus_D = 1.0f / 5.0f};
+  settings.quality.check = ErrorCheck::of_still;
+  Frame frame, truth;
+  const RenderStats stats =
+      makeMethod("auto", cloud)->render(viewFrom(0.1f, 0.1f), settings, frame);
+  makeMethod("accumulate:300", cloud)->render(viewFrom(0.1f, 0.1f), settings, truth);
+  std::vector<float> apart = visibleDifference(frame, truth, kUsualPx_per_deg);
+  const double error = quantile(apart, 0.95);
+  EXPECT_EQ(stats.quality_level, QualityLevel::fine);
+  EXPECT_LT(error, kError);
+  EXPECT_GE(stats.tolerance_error.value_or(0.0), error);
+  EXPECT_LE(stats.tolerance_error.value_or(0.0), kPredicted * error);
 }
 
 /// How far the outline of a rectangle moves out, by its area over its length. Samples are denser
