@@ -11,7 +11,6 @@
 
 #include "gaze/sources/trace_reader.h"
 
-
 namespace foci {
 
 /// A recording, and the group that is left out together with it.
