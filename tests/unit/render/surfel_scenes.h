@@ -4,7 +4,10 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <random>
+#include <vector>
 
+#include "base/quantile.h"
+#include "render/image/metrics.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -25,6 +28,12 @@ inline Frame renderedBy(const char* method, const SurfelCloud& cloud, const View
   const RenderStats cost = makeMethod(method, cloud)->render(view, settings, frame);
   if (stats) *stats = cost;
   return frame;
+}
+
+/// What the differences of 95 % of the pixels stay below, just-noticeable differences.
+inline float visibleErrorOf(const Frame& frame, const Frame& truth) {
+  std::vector<float> apart = visibleDifference(frame, truth, kUsualPx_per_deg);
+  return quantile(apart, 0.95);
 }
 
 struct Sheet {

@@ -13,12 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/quantile.h"
-#include "render/image/metrics.h"
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "tests/unit/render/mesh_shapes.h"
+#include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
 namespace FOCI_FILE {
@@ -220,11 +219,10 @@ TEST(ClosedSurfaces, PartsAndPointsOfAnAstigmaticLensAgree) {
   RenderSettings settings;
   settings.lighting.background = glm::vec3(1.0f);
   settings.defocus = {.radius_px_per_D = glm::vec2(10.0f), .astigmatism_D = {0.2f, 0.1f}};
-  Frame parts, points;
-  makeMethod("sweep:37", cloud)->render(viewFrom(0.2f, 0.5f), settings, parts);
-  makeMethod("accumulate:300", cloud)->render(viewFrom(0.2f, 0.5f), settings, points);
-  std::vector<float> apart = visibleDifference(parts, points, kUsualPx_per_deg);
-  EXPECT_LT(quantile(apart, 0.95), kSampling);
+  const View view = viewFrom(0.2f, 0.5f);
+  EXPECT_LT(visibleErrorOf(renderedBy("sweep:37", cloud, view, settings),
+                           renderedBy("accumulate:300", cloud, view, settings)),
+            kSampling);
 }
 
 /// Where leaves partly hide each other, each point of the lens sees others, at a blur of a few
@@ -244,12 +242,10 @@ TEST(ClosedSurfaces, FoliageWithALittleBlurIsAsViewsShowIt) {
   settings.lighting.background = glm::vec3(1.0f);
   settings.defocus = {.radius_px_per_D = glm::vec2(75.0f), .focus_D = 1.0f / 5.0f};
   settings.quality.check = ErrorCheck::of_still;
-  Frame frame, truth;
-  const RenderStats stats =
-      makeMethod("auto", cloud)->render(viewFrom(0.1f, 0.1f), settings, frame);
-  makeMethod("accumulate:300", cloud)->render(viewFrom(0.1f, 0.1f), settings, truth);
-  std::vector<float> apart = visibleDifference(frame, truth, kUsualPx_per_deg);
-  const double error = quantile(apart, 0.95);
+  const View view = viewFrom(0.1f, 0.1f);
+  RenderStats stats;
+  const Frame frame = renderedBy("auto", cloud, view, settings, &stats);
+  const double error = visibleErrorOf(frame, renderedBy("accumulate:300", cloud, view, settings));
   EXPECT_EQ(stats.quality_level, QualityLevel::fine);
   EXPECT_LT(error, kError);
   EXPECT_GE(stats.tolerance_error.value_or(0.0), error);
