@@ -1,3 +1,4 @@
+// A few of many values, evenly spread.
 #pragma once
 
 #include <cstddef>

@@ -1,13 +1,14 @@
 #include "app/record/tables.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
 #include "app/session/session.h"
 #include "base/file.h"
 #include "base/rows.h"
 #include "base/text.h"
 #include "gaze/sources/trace_summary.h"
-
-#include <algorithm>
-#include <stdexcept>
-#include <utility>
 
 namespace foci {
 namespace {

@@ -74,7 +74,7 @@ std::vector<std::string> worldColumnNames();
 /// With these, what the study says of the rest.
 TraceColumns worldColumns(TraceColumns columns, double time_scale_s);
 
-/// A warning.
+/// The warning of positions on the image of a scene camera.
 inline constexpr const char* kOfSceneCamera =
     "positions are those of a scene camera on the head: foci takes its view for the screen, "
     "which holds only for a head at rest; a gaze map (foci calibrate gaze) corrects this";

@@ -1,6 +1,7 @@
 #include "gaze/sources/row_times.h"
 
 #include <bit>
+#include <charconv>
 #include <chrono>
 #include <cstddef>
 #include <numeric>
@@ -262,8 +263,10 @@ std::optional<double> ClockTimes::seconds(std::string_view text) {
   static const std::regex clock(kClockText);
   std::cmatch parts;
   if (!std::regex_match(text.data(), text.data() + text.size(), parts, clock)) return std::nullopt;
-  const auto number = [&](std::size_t part) {
-    return parts[part].length() > 0 ? std::stoi(parts[part]) : 0;
+  const auto number = [&](std::size_t part) {  // 0 for what is left out
+    int value = 0;
+    std::from_chars(parts[part].first, parts[part].second, value);
+    return value;
   };
   const bool day_first = parts[5].matched, has_date = day_first || parts[1].matched;
   const DateForm form = day_first                ? DateForm::dots_day_first

@@ -232,7 +232,7 @@ std::optional<float> SpotCheck::quantileOf(const ValuesOf& valuesOf) const {
   std::vector<float> all;
   std::size_t compared = 0;
   for (const Square& square : squares_) {
-    const std::vector<float> values = valuesOf(square);
+    const std::vector<float>& values = valuesOf(square);
     all.insert(all.end(), values.begin(), values.end());
     compared += values.empty() ? 0 : 1;
   }
@@ -241,11 +241,13 @@ std::optional<float> SpotCheck::quantileOf(const ValuesOf& valuesOf) const {
 }
 
 std::optional<float> SpotCheck::error(std::size_t level) const {
-  return quantileOf([&](const Square& square) { return square.apart[level]; });
+  return quantileOf(
+      [&](const Square& square) -> const std::vector<float>& { return square.apart[level]; });
 }
 
 std::optional<float> SpotCheck::errorOfTruth() const {
-  const auto halves = quantileOf([](const Square& square) { return square.halves_apart; });
+  const auto halves = quantileOf(
+      [](const Square& square) -> const std::vector<float>& { return square.halves_apart; });
   if (!halves) return std::nullopt;
   return (hasWavefront(settings_) ? kPointsOfHalves : kPartsOfHalves) * *halves;
 }

@@ -254,7 +254,7 @@ void main() {
   uint to = placeOf(index, group.here);
   bool exists = group.exists;
   coverage = closingFactor(blur_px[index]);
-#ifdef LENS
+#ifdef LENS  // rampUnderBlur of render/kernel/kernel.h
   ramp = mix(vec2(kLinearToSharp, kOpaqueFromSharp), vec2(kLinearToBlurred, kOpaqueFromBlurred),
              square(min(blur_px[index] / (kRippleSteps * float(tiles[index].w)), 1.0)));
 #endif
