@@ -87,8 +87,6 @@ void stampDisc(std::vector<std::uint8_t>& band, const glm::ivec2& size_px, const
   }
 }
 
-constexpr double kEye_deg = 0.5 / 60.0;  // standard deviation of the blur of an eye in focus
-
 /// The Gaussian is cut off at this many standard deviations, where it is 0.0003 of its peak.
 constexpr double kReach = 4.0;
 

@@ -44,6 +44,10 @@ std::optional<double> silhouettePsnr_dB(const Frame& a, const Frame& b,
 /// Resolution of a 96 dpi screen 0.6 m away, for errors that are measured without a screen.
 inline constexpr double kUsualPx_per_deg = 40.0;
 
+/// Standard deviation of the blur of an eye in focus: a grating of 40 cycles a degree keeps a tenth
+/// of its contrast.
+inline constexpr double kEye_deg = 0.5 / 60.0;
+
 /// A just-noticeable difference of L*a*b* (Mahy, Van Eycken and Oosterlinck 1994).
 inline constexpr float kJustNoticeable = 2.3f;
 
@@ -59,9 +63,8 @@ inline const glm::mat3 kLabOfCurve(0.0f, 500.0f, 0.0f, 116.0f, -500.0f, 200.0f, 
 inline constexpr float kLinearBelow = 0.008856f, kLinearSlope = 7.787f;
 
 /// CIE 1976 L*a*b* difference of each pixel, in JND.
-/// Before, both frames are blurred like an eye in focus, by a Gaussian of 0.5 arcmin standard
-/// deviation: a grating of 40 cycles a degree keeps a tenth of its contrast. White is the
-/// display's, and brighter light is clamped to it.
+/// Before, both frames are blurred by a Gaussian of `kEye_deg`. White is the display's, and brighter
+/// light is clamped to it.
 /// @param px_per_deg  resolution at the middle of the display; positive (asserted)
 /// @return row-major, one for each pixel. Both frames have the same size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);

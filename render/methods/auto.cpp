@@ -44,7 +44,7 @@ constexpr float kInvisible_px = 0.5f, kBlurChange = 1.5f;
 
 /// Age in frames, in all and for each frame that it took, that a check is repeated at. It is no
 /// longer used at twice this age. Chosen by hand: checks take below 5 % of a run's time.
-constexpr int kMinAge = 60, kStepAge = 6;
+constexpr int kMinAge = 60, kStepAge = 20;
 
 /// The prediction over the squares' error: in the middle of 1 and 1.5, so that few predictions are
 /// too low or much too high, over .94. So much of the error do the squares tell, on 8 scenes at 3

@@ -69,6 +69,15 @@ bool hasWavefront(const RenderSettings& settings) {
   return settings.pupil.hasParts() || shownField(settings.defocus);
 }
 
+/// The resolution at which an eye in focus sees as much of an image as this acuity leaves at its
+/// sharpest place, at least the usual one.
+double seenPx_per_deg(const Acuity& acuity, const glm::ivec2& size_px) {
+  if (acuity.per_px == 0.0f) return kUsualPx_per_deg;
+  const glm::vec2 nearest = glm::clamp(acuity.gaze_px, glm::vec2(0.0f), glm::vec2(size_px));
+  const double sigma_px = acuity.finest_px(glm::distance(acuity.gaze_px, nearest));
+  return std::max(kUsualPx_per_deg, sigma_px / kEye_deg);
+}
+
 }  // namespace
 
 std::vector<LensPart> partsOfTruth(const RenderSettings& settings, float blur_px) {
@@ -95,6 +104,9 @@ SpotCheck::SpotCheck(std::shared_ptr<const MomentTree> tree, const View& view,
     square.view = view;
     square.view.size_px = glm::min(glm::ivec2(kSquare_px), view.size_px - square.corner_px);
     square.view.principal_px -= glm::vec2(square.corner_px);
+    square.acuity = levels_.front().cut.acuity;
+    square.acuity.gaze_px -= glm::vec2(square.corner_px);
+    square.px_per_deg = seenPx_per_deg(square.acuity, square.view.size_px);
     for (Frame& each : square.halves) each.resize(square.view.size_px);
     square.apart.resize(levels_.size());
     squares_.push_back(std::move(square));
@@ -123,21 +135,32 @@ std::unique_ptr<SpotCheck::Buffers> SpotCheck::idleBuffers() {
 
 /// The cut for all views of a square. It leaves out the surfels that none of them shows: a cut's
 /// ranges are much larger than squares.
-Cut SpotCheck::cutOf(const View& view) const {
-  CutSettings settings = kPixelCut;
+Cut SpotCheck::cutOf(const Square& square) const {
+  const View& view = square.view;
+  CutSettings settings = kFaithfulCut;
   settings.per_pixel2 *= kMerged;
-  settings.acuity = widened(levels_.front().cut.acuity, settings_.pupil);
-  settings.margin_px = static_cast<int>(std::ceil(blur_px_)) + 1;
+  settings.per_blur2 *= parts_.front().radius * parts_.front().radius;
+  settings.acuity = widened(square.acuity, settings_.pupil);
+  // A wavefront moves light aside of the disc of blur.
+  const float margin_px = 1.0f + (hasWavefront(settings_) ? blur_px_ : 0.0f);
+  settings.margin_px = static_cast<int>(std::ceil(margin_px));
   Cut all, seen;
-  selectCut(*tree_, view, settings_.defocus, settings, all);
+  const Defocus& defocus = settings_.defocus;
+  selectCut(*tree_, view, defocus, settings, all);
   const SurfelCloud& surfels = tree_->surfels();
-  const float margin_px = blur_px_ + 1.0f, focal_px = std::max(view.focal_px.x, view.focal_px.y);
+  const float focal_px = std::max(view.focal_px.x, view.focal_px.y),
+              radius_px_per_D = std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
   const auto add = [&](const CutEntry& entry) {
     const glm::vec3 p(view.eye_from_world * glm::vec4(surfels.position_m[entry.index], 1.0f));
-    const float sigma_m = largestSigma(surfels, entry.index);
-    const float distance_m = std::max(-p.z - 2.0f * kWidestReach * sigma_m, view.near_m);
-    const float reach_px = margin_px + kWidestReach * (2.0f + focal_px * sigma_m / distance_m);
+    const float sigma_m = largestSigma(surfels, entry.index),
+                size_m = 2.0f * kWidestReach * sigma_m;
+    const float near_m = std::max(-p.z - size_m, view.near_m), far_m = glm::length(p) + size_m;
+    const float blur_px = radius_px_per_D * std::max(maxDefocus_D(defocus, 1.0f / near_m),
+                                                     maxDefocus_D(defocus, 1.0f / far_m));
     const glm::vec2 at = project(view, p), size(view.size_px);
+    const float finest_px = settings.acuity.finest_px(glm::distance(at, settings.acuity.gaze_px));
+    const float reach_px =
+        margin_px + blur_px + kWidestReach * std::hypot(finest_px, focal_px * sigma_m / near_m);
     const bool outside = glm::any(glm::lessThan(at, glm::vec2(-reach_px))) ||
                          glm::any(glm::greaterThan(at, size + reach_px));
     if (p.z > -2.0f * view.near_m || !outside) seen.surfels.push_back(entry);
@@ -155,18 +178,16 @@ Frame SpotCheck::render(const Job& job) {
   Frame frame;
   frame.resize(square.view.size_px);
   auto buffers = idleBuffers();
-  Acuity acuity = levels_.front().cut.acuity;
-  acuity.gaze_px -= glm::vec2(square.corner_px);
   if (job.level) {
     LodSettings lod = levels_[*job.level];
-    lod.cut.acuity = acuity;
+    lod.cut.acuity = square.acuity;
     buffers->levels.render(square.view, settings_, lod, frame);
   } else {
     const LensPart& part = parts_[*job.view];
     projectCut(*tree_, square.cut, viewOfPart(square.view, part), part.defocus,
                {.lens = part.centre,
                 .aperture = part.radius,
-                .acuity = widened(acuity, settings_.pupil),
+                .acuity = widened(square.acuity, settings_.pupil),
                 .lighting = settings_.lighting},
                buffers->chunks);
     buffers->lists.build(buffers->chunks, square.view.size_px);
@@ -190,7 +211,7 @@ void SpotCheck::compareViews(Square& square) const {
       for (std::size_t i = h; i < parts_.size(); i += 2) light += parts_[i].weight;
     }
     for (const std::size_t h : halves) addTo(mean, 1.0f / light, square.halves[h]);
-    return foci::labOf(mean, kUsualPx_per_deg);
+    return foci::labOf(mean, square.px_per_deg);
   };
   square.truth = labOf({0, 1});
   square.halves_apart = apartOf(labOf({0}), labOf({1}));
@@ -207,7 +228,7 @@ void SpotCheck::step() {
   }
   parallelFor(jobs.size(), [&](std::size_t i) {
     Square& square = squares_[jobs[i].square];
-    if (jobs[i].level == 0u) square.cut = cutOf(square.view);
+    if (jobs[i].level == 0u) square.cut = cutOf(square);
   });
   std::vector<Frame> frames(jobs.size());
   parallelFor(jobs.size(), [&](std::size_t i) { frames[i] = render(jobs[i]); });
@@ -215,7 +236,7 @@ void SpotCheck::step() {
     const auto& [number, level, view] = jobs[i];
     Square& square = squares_[number];
     if (view) addTo(square.halves[*view % 2], parts_[*view].weight, frames[i]);
-    if (level == 0u) square.first = labOf(frames[i], kUsualPx_per_deg);
+    if (level == 0u) square.first = labOf(frames[i], square.px_per_deg);
   }
   parallelFor(jobs.size(), [&](std::size_t i) {
     if (jobs[i].view && *jobs[i].view + 1 == parts_.size()) compareViews(squares_[jobs[i].square]);
@@ -223,7 +244,7 @@ void SpotCheck::step() {
   parallelFor(jobs.size(), [&](std::size_t i) {
     if (jobs[i].level.value_or(0) == 0) return;
     Square& square = squares_[jobs[i].square];
-    square.apart[*jobs[i].level] = apartOf(labOf(frames[i], kUsualPx_per_deg), square.truth);
+    square.apart[*jobs[i].level] = apartOf(labOf(frames[i], square.px_per_deg), square.truth);
   });
 }
 

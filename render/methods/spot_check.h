@@ -40,7 +40,8 @@ class SpotCheck {
   bool isDone() const { return done_ == squares_.size() * (firstJobs() + levels_.size() - 1); }
 
   /// The difference of a level from the truth that 95 % of the squares' pixels stay below, as far
-  /// as rendered, in just-noticeable differences at 40 pixels a degree (metrics.h).
+  /// as rendered, in just-noticeable differences at 40 pixels a degree (metrics.h); away from the
+  /// gaze, as the eye sees them there.
   /// Absent before a level was compared in a quarter of the squares.
   std::optional<float> error(std::size_t level) const;
 
@@ -51,6 +52,8 @@ class SpotCheck {
   struct Square {
     glm::ivec2 corner_px;
     View view;
+    Acuity acuity;                          // around the gaze on the square
+    double px_per_deg;                      // at which an eye in focus sees as much
     Cut cut;                                // of its views; empty before and after them
     std::array<Frame, 2> halves;            // sums of views
     std::vector<glm::vec3> first, truth;    // as the eye sees them
@@ -65,7 +68,7 @@ class SpotCheck {
   /// Of a square: the first level, then the views.
   std::size_t firstJobs() const { return 1 + parts_.size(); }
   Job job(std::size_t number) const;
-  Cut cutOf(const View& view) const;
+  Cut cutOf(const Square& square) const;
   Frame render(const Job& job);
   void compareViews(Square& square) const;
   template <typename ValuesOf>

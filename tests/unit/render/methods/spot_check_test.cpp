@@ -32,12 +32,11 @@ class SpotCheckTest : public ::testing::Test {
   }();
   float blur_px = 10.0f;  // bounds that of the plane
 
-  SpotCheck checkOf(const RenderSettings& settings) const {
-    return {treeOf(cloud),
-            view,
-            settings,
-            settings.defocus.radius_px_per_D.x > 0 ? blur_px : 0.0f,
-            {kCoarse, kBest, kPinhole}};
+  SpotCheck checkOf(const RenderSettings& settings, const Acuity& acuity = {}) const {
+    std::vector<LodSettings> levels{kCoarse, kBest, kPinhole};
+    for (LodSettings& level : levels) level.cut.acuity = acuity;
+    const bool blurred = settings.defocus.radius_px_per_D.x > 0.0f;
+    return {treeOf(cloud), view, settings, blurred ? blur_px : 0.0f, std::move(levels)};
   }
 };
 
@@ -71,6 +70,27 @@ TEST_F(SpotCheckTest, ASharpFrameIsItsOwnTruth) {
   while (!check.isDone()) check.step();
   EXPECT_LT(*check.error(2), 0.01f);
   EXPECT_LT(*check.errorOfTruth(), 1e-4f);  // rounding of the parts' shares
+}
+
+// Nor is one left out that shows by the wide prefilter away from the gaze, and squares share the
+// gaze of the frame.
+TEST_F(SpotCheckTest, ASharpFrameOfAnEyeIsItsOwnTruth) {
+  SpotCheck check = checkOf(blurredBy(0.0f, 0.0f),
+                            {.gaze_px = {300.0f, 40.0f}, .base_px = 0.5f, .per_px = 0.04f});
+  while (!check.isDone()) check.step();
+  EXPECT_LT(*check.error(2), 0.15f);  // of tiles with fewer samples
+}
+
+// Away from the gaze, errors count as far as the eye sees them.
+TEST_F(SpotCheckTest, AnEyeSeesSmallerErrorsAwayFromTheGaze) {
+  SpotCheck seen = checkOf(blurredBy(20.0f, 1.0f / 1.27f),
+                           {.gaze_px = {300.0f, 40.0f}, .base_px = 0.5f, .per_px = 0.04f}),
+            everywhere = checkOf(blurredBy(20.0f, 1.0f / 1.27f));
+  while (!seen.isDone()) seen.step();
+  while (!everywhere.isDone()) everywhere.step();
+  for (const std::size_t level : {0u, 2u}) {
+    EXPECT_LT(*seen.error(level), 0.7f * *everywhere.error(level)) << level;
+  }
 }
 
 }  // namespace FOCI_FILE
