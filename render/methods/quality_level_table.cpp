@@ -53,7 +53,7 @@ const std::array<LevelSettings, kQualityLevels> kLevels{
     LevelSettings{{coarserBy(1.0f), 1}, {0.5f, 0.5f, 4.0f, 5.7f, 5.8f, 6.2f}},
     LevelSettings{softerBy(30.0f, 6.0f), {19.0f, 19.0f, 13.2f, 12.8f, 12.7f, 12.7f}},
     LevelSettings{softerBy(30.0f, 12.0f), {26.0f, 26.0f, 21.5f, 14.5f, 13.1f, 13.0f}},
-    LevelSettings{{.cut = kFaithfulCut}, {0.1f, 0.1f, 0.15f, 0.25f, 0.25f, 0.25f}}};
+    LevelSettings{{.cut = kPixelCut}, {0.1f, 0.1f, 0.15f, 0.25f, 0.25f, 0.25f}}};
 
 constexpr std::array<float, kQualityLevels> kRelativeTimes{13.0f, 14.0f, 16.0f, 32.0f, 35.0f,
                                                            1.1f,  3.0f,  1.0f,  420.0f};

@@ -137,9 +137,8 @@ std::unique_ptr<SpotCheck::Buffers> SpotCheck::idleBuffers() {
 /// ranges are much larger than squares.
 Cut SpotCheck::cutOf(const Square& square) const {
   const View& view = square.view;
-  CutSettings settings = kFaithfulCut;
+  CutSettings settings = kPixelCut;
   settings.per_pixel2 *= kMerged;
-  settings.per_blur2 *= parts_.front().radius * parts_.front().radius;
   settings.acuity = widened(square.acuity, settings_.pupil);
   // A wavefront moves light aside of the disc of blur.
   const float margin_px = 1.0f + (hasWavefront(settings_) ? blur_px_ : 0.0f);
