@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "calibration/toml_file.h"
 
 namespace foci {

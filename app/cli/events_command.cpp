@@ -11,7 +11,6 @@
 #include "app/record/tables.h"
 #include "app/study/study_words.h"
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/events/event_labels.h"
 #include "gaze/events/online_events.h"

@@ -21,7 +21,6 @@
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "base/nearest.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "base/transformed.h"
 #include "render/literature/literature.h"

@@ -1,14 +1,10 @@
 #include "app/evaluation/evaluated_methods.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <string_view>
 
-#include "base/input_error.h"
 #include "base/parallel.h"
-#include "base/text.h"
-#include "base/transformed.h"
 
 namespace foci {
 namespace {

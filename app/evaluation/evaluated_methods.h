@@ -12,7 +12,7 @@
 #include "app/evaluation/scene_in_view.h"
 #include "base/input_error.h"
 #include "base/nearest.h"
-#include "base/rows.h"
+#include "base/text.h"
 #include "base/transformed.h"
 #include "render/methods/method.h"
 

@@ -11,7 +11,6 @@
 #include "app/graphics/plot.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
-#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {

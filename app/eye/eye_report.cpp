@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/eye/visual_quality.h"
 #include "app/platform/progress.h"
 #include "app/session/observer_eye.h"
 #include "app/study/session_settings_of.h"

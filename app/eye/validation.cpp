@@ -12,7 +12,6 @@
 #include "app/graphics/html.h"
 #include "app/platform/output_files.h"
 #include "app/platform/progress.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/focus/accommodation.h"
 #include "gaze/focus/pupil.h"

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "app/graphics/html.h"
-#include "base/text.h"
 
 namespace foci {
 namespace {

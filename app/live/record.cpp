@@ -6,12 +6,10 @@
 
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
-#include "app/record/tables.h"
 #include "app/study/inputs.h"
 #include "app/study/study_text.h"
 #include "base/file.h"
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "app/platform/machine.h"
-#include "base/parallel.h"
 
 namespace foci {
 

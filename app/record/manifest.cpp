@@ -5,7 +5,6 @@
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/version.h"
-#include "app/record/tables.h"
 #include "app/study/session_settings_of.h"
 #include "base/text.h"
 

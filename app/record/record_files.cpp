@@ -10,7 +10,6 @@
 #include "app/record/tables.h"
 #include "base/file.h"
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/sources/rows.h"
 #include "render/methods/method.h"

@@ -6,7 +6,6 @@
 
 #include "app/session/session.h"
 #include "base/file.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/sources/trace_summary.h"
 

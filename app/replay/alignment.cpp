@@ -11,7 +11,6 @@
 #include "app/study/inputs.h"
 #include "base/parallel.h"
 #include "base/quantile.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "base/transformed.h"
 #include "gaze/focus/vergence.h"

@@ -12,7 +12,6 @@
 #include "app/graphics/image.h"
 #include "app/graphics/plot.h"
 #include "app/platform/output_files.h"
-#include "app/replay/figures.h"
 #include "app/replay/fixation_tables.h"
 #include "base/quantile.h"
 #include "base/text.h"

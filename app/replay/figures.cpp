@@ -14,7 +14,6 @@
 #include "app/study/load_scene.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 

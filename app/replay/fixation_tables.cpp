@@ -7,8 +7,6 @@
 #include <optional>
 #include <string_view>
 
-#include "app/record/tables.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/events/online_events.h"
 #include "gaze/geometry/line_of_sight.h"

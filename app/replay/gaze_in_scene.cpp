@@ -6,12 +6,10 @@
 #include <utility>
 
 #include "app/platform/progress.h"
-#include "app/record/tables.h"
 #include "app/session/eye_path.h"
 #include "app/study/session_settings_of.h"
 #include "base/parallel.h"
 #include "base/quantile.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/events/pursuit.h"
 #include "gaze/geometry/line_of_sight.h"

@@ -10,14 +10,13 @@
 #include "app/platform/sha256.h"
 #include "app/platform/version.h"
 #include "app/replay/replay_inputs.h"
-#include "app/replay/run_writer.h"
 #include "app/study/inputs.h"
 #include "app/study/load_scene.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/study_text.h"
 #include "base/file.h"
 #include "base/input_error.h"
-#include "base/rows.h"
+#include "base/text.h"
 #include "gaze/webcam/webcam_frames.h"
 
 namespace foci {

@@ -13,7 +13,6 @@
 #include "app/replay/fixation_tables.h"
 #include "base/file.h"
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "base/transformed.h"
 #include "gaze/webcam/webcam_frames.h"

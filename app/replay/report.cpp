@@ -7,13 +7,11 @@
 #include <stdexcept>
 
 #include "app/graphics/html.h"
-#include "app/graphics/image.h"
 #include "app/record/gaze_marker.h"
 #include "app/record/tables.h"
 #include "app/replay/report_explorer.h"
 #include "base/base64.h"
 #include "base/file.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/sources/trace_summary.h"
 #include "render/optics/defocus.h"

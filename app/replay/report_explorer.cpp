@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "app/graphics/html.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 

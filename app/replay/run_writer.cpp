@@ -6,10 +6,8 @@
 
 #include "app/graphics/image.h"
 #include "app/record/gaze_marker.h"
-#include "app/record/tables.h"
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"
-#include "app/replay/report.h"
 #include "app/study/study_words.h"
 #include "base/quantile.h"
 #include "base/text.h"

@@ -5,11 +5,9 @@
 #include <exception>
 #include <limits>
 #include <random>
-#include <string>
 #include <system_error>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "app/platform/machine.h"
 #include "app/platform/sha256.h"
@@ -19,8 +17,6 @@
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "render/lod/moment_tree.h"
-#include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/gaussian_tree.h"
 #include "render/scene/io/foci_file.h"

@@ -7,7 +7,6 @@
 #include "app/study/key_table.h"
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/methods/method.h"
 

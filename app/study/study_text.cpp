@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {

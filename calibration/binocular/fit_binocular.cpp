@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <string>
 
 #include "base/input_error.h"
 #include "base/quantile.h"

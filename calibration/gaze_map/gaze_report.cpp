@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "base/rows.h"
+#include "base/text.h"
 #include "calibration/calibration_file.h"
 
 namespace foci {

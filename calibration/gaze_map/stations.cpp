@@ -1,6 +1,5 @@
 #include "calibration/gaze_map/stations.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <string>
 
 #include "base/input_error.h"
 #include "base/quantile.h"

@@ -1,7 +1,6 @@
 #include "gaze/live/pupil_source.h"
 
 #include <algorithm>
-#include <cmath>
 #include <zmq.hpp>
 
 #include "base/input_error.h"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/nearest.h"
-#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {

@@ -10,7 +10,6 @@
 
 #include "base/input_error.h"
 #include "base/nearest.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/gl/image.h"
 

@@ -14,7 +14,6 @@
 #include "app/graphics/image.h"
 #include "app/record/tables.h"
 #include "app/session/observer_eye.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/lod/moment_tree.h"

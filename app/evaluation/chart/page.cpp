@@ -7,7 +7,6 @@
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
 #include "app/platform/machine.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 

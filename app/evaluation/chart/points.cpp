@@ -12,7 +12,6 @@
 #include "app/record/tables.h"
 #include "base/parallel.h"
 #include "base/quantile.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/flip.h"
 #include "render/image/metrics.h"

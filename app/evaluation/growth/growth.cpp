@@ -11,14 +11,11 @@
 #include <tuple>
 #include <utility>
 
-#include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/scene_in_view.h"
 #include "app/platform/machine.h"
 #include "base/input_error.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/lod/moment_tree.h"
-#include "render/methods/quality_level.h"
 #include "render/scene/gaussian_tree.h"
 #include "render/scene/scene.h"
 

@@ -9,7 +9,6 @@
 
 #include "app/evaluation/evaluated_methods.h"
 #include "app/evaluation/reproduce/reproduce.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/methods/method.h"

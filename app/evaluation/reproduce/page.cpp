@@ -9,7 +9,6 @@
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
 #include "app/platform/machine.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/methods/method.h"

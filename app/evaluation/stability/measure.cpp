@@ -9,7 +9,6 @@
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/excess_change.h"
 #include "app/graphics/image.h"
-#include "base/rows.h"
 #include "base/text.h"
 #include "base/transformed.h"
 #include "render/image/metrics.h"

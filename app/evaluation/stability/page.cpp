@@ -7,7 +7,6 @@
 #include "app/evaluation/stability/measure.h"
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
-#include "base/rows.h"
 #include "base/text.h"
 
 namespace foci {
