@@ -6,6 +6,13 @@
 
 namespace foci {
 
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
 std::string decimal(double value, int digits) {
   std::array<char, 400> text;
   const auto result =

@@ -45,12 +45,13 @@ std::string rowOf(const Fields&... fields) {
   return tabbed<kBetween>(fields...) + '\n';
 }
 
+/// `text` with `to` in place of each `from`, which is not empty.
+std::string replaced(std::string text, std::string_view from, std::string_view to);
+
 /// A field of CSV (RFC 4180): in double quotes if it holds a comma, a double quote or a line break.
 inline std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
+  return '"' + replaced(text, "\"", "\"\"") + '"';
 }
 
 /// The fields of a row between tabs.

@@ -20,20 +20,11 @@ using ManualFile = std::pair<std::string, std::string>;
 
 /// A text for roff: `\` and `-` escaped, and no line that begins with a request.
 std::string roff(const std::string& text) {
-  std::string escaped;
-  bool line_start = true;
-  for (const char c : text) {
-    if (line_start && (c == '.' || c == '\'')) escaped += "\\&";
-    if (c == '\\') {
-      escaped += "\\e";
-    } else if (c == '-') {
-      escaped += "\\-";
-    } else {
-      escaped += c;
-    }
-    line_start = c == '\n';
+  std::string escaped = "\n" + replaced(replaced(text, "\\", "\\e"), "-", "\\-");
+  for (const std::string request : {".", "'"}) {
+    escaped = replaced(escaped, "\n" + request, "\n\\&" + request);
   }
-  return escaped;
+  return escaped.substr(1);
 }
 
 /// The description without its examples, and the examples.

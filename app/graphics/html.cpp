@@ -1,8 +1,8 @@
 #include "app/graphics/html.h"
 
 #include <cctype>
-#include <map>
 #include <sstream>
+#include <utility>
 
 #include "base/base64.h"
 #include "base/text.h"
@@ -49,12 +49,10 @@ std::string pageStart(const std::string& title, const std::string& style, const 
 }
 
 std::string escaped(const std::string& text) {
-  static const std::map<char, const char*> kEntities{
-      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
-  std::string html;
-  for (const char c : visible(text)) {
-    const auto entity = kEntities.find(c);
-    html += entity == kEntities.end() ? std::string(1, c) : entity->second;
+  std::string html = replaced(visible(text), "&", "&amp;");  // first: the others have it, too
+  for (const auto& [character, entity] :
+       {std::pair("<", "&lt;"), {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}}) {
+    html = replaced(html, character, entity);
   }
   return html;
 }

@@ -74,11 +74,7 @@ std::string problemOf(pid_t child) {
 }  // namespace
 
 std::string gnuplotString(const std::string& text) {
-  std::string quoted = "('";
-  for (const char c : visible(text)) {
-    quoted += c == '\'' ? std::string("'.\"'\".'") : std::string(1, c);
-  }
-  return quoted + "')";
+  return "('" + replaced(visible(text), "'", "'.\"'\".'") + "')";
 }
 
 GnuplotChart runGnuplot(const std::string& script) {

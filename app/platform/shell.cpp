@@ -4,6 +4,8 @@
 #include <cctype>
 #include <csignal>
 
+#include "base/text.h"
+
 namespace foci {
 
 std::string shellWord(std::string_view text) {
@@ -26,15 +28,7 @@ std::string shellWord(std::string_view text) {
     }
     return quoted + '\'';
   }
-  std::string quoted = "'";
-  for (const char c : text) {
-    if (c == '\'') {
-      quoted += "'\\''";
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + '\'';
+  return '\'' + replaced(std::string(text), "'", "'\\''") + '\'';
 }
 
 bool ShellPipe::open(const std::string& command) {

@@ -117,12 +117,6 @@ std::string markLines(const FigureStyle& style, const std::vector<RunMark>& mark
   return text;
 }
 
-void replaceAll(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
-    text.replace(at, from.size(), to);
-  }
-}
-
 /// The states on which the ground is coloured, as entries of the key.
 std::string stateKeys(const std::vector<ChartRow>& rows) {
   std::string text;
@@ -257,7 +251,7 @@ GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& scre
   if (!chart.image) return chart;
   // Not currentColor: gnuplot's groups set that to black.
   for (const char* drawn : {kTextColor, "rgb(  1,   2,   3)", "rgb(1,2,3)"}) {
-    replaceAll(*chart.image, drawn, "var(--ink)");
+    chart.image = replaced(*chart.image, drawn, "var(--ink)");
   }
   return chart;
 }

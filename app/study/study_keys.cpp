@@ -452,10 +452,8 @@ const std::vector<Key<Study>>& studyKeys() {
 
 std::string shownName(std::string_view name) {
   const std::string quoted = quotedText(name.substr(0, 60));
-  std::string shown = quoted.substr(1, quoted.size() - 2);
   // People read a quote without its escape.
-  for (std::size_t at = 0; (at = shown.find("\\\"", at)) != std::string::npos;) shown.erase(at, 1);
-  return shown;
+  return replaced(quoted.substr(1, quoted.size() - 2), "\\\"", "\"");
 }
 
 bool changesLive(std::string_view key) {

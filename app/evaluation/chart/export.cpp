@@ -48,9 +48,7 @@ std::string readmeOf(const std::string& scene, const std::string& name,
   std::string text = kReadme;
   for (const auto& [word, value] : std::initializer_list<std::pair<std::string, std::string>>{
            {"CASE", name}, {"SCENE", scene}, {"OPTIONS", options}}) {
-    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += value.size()) {
-      text.replace(at, word.size(), value);
-    }
+    text = replaced(text, word, value);
   }
   return text;
 }
