@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <map>
 #include <string_view>
 
 #include "app/platform/version.h"
@@ -144,11 +143,9 @@ std::string changedSettings(const Study& study) {
   constexpr std::size_t kLongest = 60;
   constexpr std::array<std::string_view, 5> kPlaces{"scene.file", "gaze.source", "eye.", "record.",
                                                     "remote."};
-  std::map<std::string_view, std::string> defaults;
-  for (const ResolvedKey& key : resolvedKeys(Study{})) defaults[key.name] = key.json;
   std::string text;
   for (const ResolvedKey& key : resolvedKeys(study)) {
-    if (key.json == defaults.at(key.name)) continue;
+    if (key.is_default) continue;
     if (std::ranges::any_of(kPlaces, [&](auto place) { return key.name.starts_with(place); })) {
       continue;
     }

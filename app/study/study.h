@@ -217,6 +217,7 @@ struct ResolvedKey {
   std::string_view meaning;  ///< with its unit
   std::string json;          ///< the value in force; "null" where absent
   std::string allowed;       ///< range or words; empty where anything of the type is
+  bool is_default;           ///< the value in force
 };
 
 /// Every key with the value in force, in the table's order.

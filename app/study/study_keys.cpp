@@ -493,12 +493,14 @@ void setKey(Study& study, std::string_view key, const std::string& text, const s
 }
 
 std::vector<ResolvedKey> resolvedKeys(const Study& study) {
+  const Study defaults;
   std::vector<ResolvedKey> resolved;
   for (const auto& key : studyKeys()) {
     std::string allowed = listed(key.allowed.words, ", ",
                                  [](const auto word) { return quotedText(std::string(word)); });
     if (std::isfinite(key.allowed.high)) allowed = rangeText(key.allowed);
-    resolved.push_back({key.name, key.meaning, key.write(study), allowed});
+    const std::string json = key.write(study);
+    resolved.push_back({key.name, key.meaning, json, allowed, json == key.write(defaults)});
   }
   return resolved;
 }

@@ -62,13 +62,10 @@ Study readStudyFile(const std::filesystem::path& file) {
                    "lists the formats of scenes");
 }
 
-/// Whether the file gives no more than a colour for each material. Textures and scans contain the
-/// light of the place; such a colour does not.
-bool isPlain(const SceneFacts& facts) { return !facts.has_colors; }
-
-/// A scene of one colour is shaded, so that its shape shows.
+/// A scene of one colour, or of one for each material, is shaded, so that its shape shows. Textures
+/// and scans contain the light of the place; such a colour does not.
 void shadePlainScene(Study& study, const SceneFacts& facts) {
-  if (isPlain(facts)) study.lighting.shading = static_cast<float>(kPlainShading);
+  if (!facts.has_colors) study.lighting.shading = static_cast<float>(kPlainShading);
 }
 
 /// For the study's screen.
@@ -78,7 +75,7 @@ std::string frameScene(Study& study, const SceneFacts& facts, const std::optiona
   const Framing framing =
       framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});
   frameScene(study, facts, framing);
-  if (!isPlain(facts)) return framingText(framing);
+  if (facts.has_colors) return framingText(framing);
   return framingText(framing) + (facts.material_colors ? "; plain colours" : "; one colour") +
          ": shaded by render.shading = " + exactText(kPlainShading);
 }

@@ -1,7 +1,6 @@
 #include "app/study/study_text.h"
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
@@ -105,15 +104,13 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
   if (std::filesystem::exists(source)) moved.gaze.source = namedIn(folder, source).string();
   moved.screen.monitor.reset();
 
-  std::map<std::string_view, std::string> defaults;
-  for (const ResolvedKey& key : resolvedKeys(Study{})) defaults[key.name] = key.json;
   std::string above, line;
   std::istringstream lines(comment);
   while (std::getline(lines, line)) above += "# " + line + "\n";
   const bool moves = !moved.eye.path.empty();
   const auto wanted = [&](const ResolvedKey& key) {
     if (moves && (key.name == "eye.position_m" || key.name == "eye.look_at_m")) return false;
-    return isPlace(key.name) || key.json != defaults.at(key.name);
+    return isPlace(key.name) || !key.is_default;
   };
   return above + sectionsOfKeys(moved, wanted, [](const ResolvedKey& key) {
            return "  # " + std::string(key.meaning);

@@ -140,32 +140,17 @@ double spacingInView_px(const View& view, const SurfelCloud& cloud) {
 }
 
 /// Parts that are hardly wider than the distance of the surfels dissolve.
-std::string densityRemark(const Study& study, const SurfelCloud& cloud) {
+std::string densityRemark(const Study& study, const Scene& scene) {
   constexpr double kCoarse_px = 3.0, kMostPoints = 1e8;
-  if (!cloud.mesh) return "";
-  const double spacing_px = spacingInView_px(firstViewOf(study), cloud);
+  const SurfelCloud* const cloud = scene.surfels();
+  if (!cloud || !cloud->mesh) return "";
+  const double spacing_px = spacingInView_px(firstViewOf(study), *cloud);
   if (spacing_px <= kCoarse_px) return "";
-  const double needed = static_cast<double>(cloud.size()) * spacing_px * spacing_px;
+  const double needed = static_cast<double>(cloud->size()) * spacing_px * spacing_px;
   const double millions = std::ceil(std::min(needed, kMostPoints) / 1e6);
   return "surfels of the mesh are " + decimal(spacing_px, 0) +
          " px apart in view, and smaller parts dissolve: foci prepare --points " +
          decimal(1e6 * millions, 0) + " makes more of them";
-}
-std::string densityRemark(const Study& /*study*/, const GaussianCloud& /*cloud*/) { return ""; }
-
-std::string memoryRemark(const Study& study, const SurfelCloud& cloud, std::size_t large) {
-  // Surfels and splats; measured with 20 million surfels, of which half are in view.
-  constexpr double kBytesASurfel = 130.0;
-  if (cloud.size() <= large || methodInfo(study.render.method).lod) return "";
-  const auto count = static_cast<double>(cloud.size());
-  return "render.method = \"" + study.render.method + "\" renders each of " +
-         decimal(count / 1e6, 1) + " million surfels and takes about " +
-         decimal(count * kBytesASurfel / 1e9, 1) +
-         " GB of memory: \"auto\" and \"sweep-lod\" take memory for what the frame shows";
-}
-std::string memoryRemark(const Study& /*study*/, const GaussianCloud& /*cloud*/,
-                         std::size_t /*large*/) {
-  return "";
 }
 
 }  // namespace
@@ -201,9 +186,8 @@ std::vector<std::string> viewRemarks(const Study& study, const Scene& scene) {
                                           : "eye.look_at_m or eye.position_m"));
     return remarks;
   }
-  std::string dissolves =
-      std::visit([&](const auto& cloud) { return densityRemark(study, cloud); }, scene.splats);
-  if (!dissolves.empty()) remarks.push_back(std::move(dissolves));
+  if (std::string dissolves = densityRemark(study, scene); !dissolves.empty())
+    remarks.push_back(std::move(dissolves));
   const auto aroundEye = [&](const auto& cloud) { return Surroundings(eye_m, cloud); };
   const Surroundings around = std::visit(aroundEye, seen.splats);
   const std::string place = study.eye.recorded ? "gaze.scene_offset_m" : "eye.position_m";
@@ -218,8 +202,15 @@ std::vector<std::string> viewRemarks(const Study& study, const Scene& scene) {
 }
 
 std::string memoryRemark(const Study& study, const Scene& scene, std::size_t large) {
-  return std::visit([&](const auto& cloud) { return memoryRemark(study, cloud, large); },
-                    scene.splats);
+  // Surfels and splats; measured with 20 million surfels, of which half are in view.
+  constexpr double kBytesASurfel = 130.0;
+  const SurfelCloud* const cloud = scene.surfels();
+  if (!cloud || cloud->size() <= large || methodInfo(study.render.method).lod) return "";
+  const auto count = static_cast<double>(cloud->size());
+  return "render.method = \"" + study.render.method + "\" renders each of " +
+         decimal(count / 1e6, 1) + " million surfels and takes about " +
+         decimal(count * kBytesASurfel / 1e9, 1) +
+         " GB of memory: \"auto\" and \"sweep-lod\" take memory for what the frame shows";
 }
 
 }  // namespace foci
