@@ -72,6 +72,10 @@ std::string numberHtml(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "&infin;";
 }
 
+std::string decibels(double value) {
+  return std::isfinite(value) ? decimal(value, 1) + " dB" : "exact";
+}
+
 std::string threadsText(unsigned threads) {
   return std::to_string(threads) + (threads == 1 ? " thread" : " threads");
 }

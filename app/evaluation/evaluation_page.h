@@ -23,6 +23,9 @@ std::string cell(const std::string& text, const char* kind = "");
 /// A number in HTML; an infinity sign if it is not finite.
 std::string numberHtml(double value, int digits);
 
+/// "41.3 dB"; "exact" if it is infinite.
+std::string decibels(double value);
+
 /// "1 thread", "8 threads".
 std::string threadsText(unsigned threads);
 

@@ -43,10 +43,6 @@ std::optional<DioptreEstimate> vergenceOf(const EyeRay& left, const EyeRay& righ
                          .error_D = std::numbers::sqrt2 * glm::radians(error_deg) / baseline_m};
 }
 
-bool disagree(const DioptreEstimate& a, const DioptreEstimate& b) {
-  return std::abs(a.value_D - b.value_D) > kDisagreement * std::hypot(a.error_D, b.error_D);
-}
-
 std::optional<std::pair<EyeRay, EyeRay>> raysOf(const GazeSample& sample, const Screen& screen,
                                                 double ipd_m) {
   std::pair<EyeRay, EyeRay> rays;

@@ -38,13 +38,6 @@ std::optional<double> vergence_D(const EyeRay& left, const EyeRay& right);
 std::optional<DioptreEstimate> vergenceOf(const EyeRay& left, const EyeRay& right,
                                           double error_deg);
 
-/// How many standard errors apart two estimates disagree: one in 370 do so by chance.
-inline constexpr double kDisagreement = 3.0;
-
-/// Whether two independent estimates differ by more than `kDisagreement` standard errors of their
-/// difference.
-bool disagree(const DioptreEstimate& a, const DioptreEstimate& b);
-
 /// The two lines of sight of a sample. If the recording has points on the screen only, or
 /// directions without origins, the eyes are `ipd_m` apart, side by side. Nothing if an eye is
 /// missing.

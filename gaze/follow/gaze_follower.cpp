@@ -127,10 +127,11 @@ void GazeFollower::look(double time_s) {
                                        : std::max(combined(estimates).value_D, 0.0));
 }
 
-std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D) {
+std::optional<bool> vergenceDisagrees(const EyeNow& eye) {
+  constexpr double kErrors = 3.0;
   if (!eye.vergence || !eye.surface_distance_m) return std::nullopt;
-  return disagree(*eye.vergence,
-                  {.value_D = 1.0 / *eye.surface_distance_m, .error_D = surface_error_D});
+  return std::abs(eye.vergence->value_D - 1.0 / *eye.surface_distance_m) >
+         kErrors * std::hypot(eye.vergence->error_D, FollowSettings{}.surface_error_D);
 }
 
 EyeNow GazeFollower::at(double time_s, AskSurface ask) {

@@ -61,9 +61,10 @@ enum class AskSurface {
   whenMoved,  ///< gaze, or the eye, has moved by more than noise since the last question
 };
 
-/// Whether the lines of sight of a fixation meet elsewhere than on its surface (`disagree`).
+/// Whether the lines of sight of a fixation meet elsewhere than on its surface: by more than three
+/// standard errors of the difference, as one in 370 do by chance.
 /// @return nothing without vergence or surface
-std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D = 0.1);
+std::optional<bool> vergenceDisagrees(const EyeNow& eye);
 
 /// Follows one recording or one live source. For each frame, push every sample up to the frame's
 /// time, then call `at`.

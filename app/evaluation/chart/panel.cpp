@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "app/evaluation/chart/chart.h"
@@ -12,8 +11,6 @@ namespace {
 
 constexpr glm::dvec2 kPanel_px{620.0, 400.0};
 constexpr double kHead_px = 30.0;
-
-std::string dB(double value) { return std::isfinite(value) ? decimal(value, 1) + " dB" : "exact"; }
 
 /// A point of a panel: its height, and its worth for the frontier.
 struct ShownPoint {
@@ -34,8 +31,9 @@ std::vector<ShownPoint> shownOf(const std::vector<ChartPoint>& points, ChartMeas
 }
 
 std::string pointTitleOf(const ChartPoint& point) {
-  return point.method.spec() + ": " + milliseconds(point.ms_median) + " ms, " + dB(point.psnr_dB) +
-         (point.silhouette_psnr_dB ? " (at silhouettes " + dB(*point.silhouette_psnr_dB) + ")"
+  return point.method.spec() + ": " + milliseconds(point.ms_median) + " ms, " +
+         decibels(point.psnr_dB) +
+         (point.silhouette_psnr_dB ? " (at silhouettes " + decibels(*point.silhouette_psnr_dB) + ")"
                                    : "") +
          ", SSIM " + decimal(point.ssim, 4) + ", FLIP " + decimal(point.flip, 3) +
          (point.coverage_error
@@ -103,7 +101,7 @@ Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
   if (measure == ChartMeasure::psnr) {
     const double ceiling_dB = points.front().reference_psnr_dB;
     heights_dB.push_back(ceiling_dB);
-    plot.levels.push_back({ceiling_dB, "the reference's own accuracy: " + dB(ceiling_dB)});
+    plot.levels.push_back({ceiling_dB, "the reference's own accuracy: " + decibels(ceiling_dB)});
   }
   plot.y = linearAxis(
       measure == ChartMeasure::psnr ? "PSNR against the reference, dB" : "PSNR at silhouettes, dB",

@@ -272,10 +272,6 @@ namespace {
 constexpr int kFigure_px = 512;
 constexpr double kLens_m = 0.03;  // chosen by eye: blurs by about a tenth of a face
 
-std::string figureDb(double value) {
-  return std::isfinite(value) ? decimal(value, 1) + " dB" : "exact";
-}
-
 }  // namespace
 
 std::vector<PaperFigure> figure1(const SurfelCloud& gallery, int views,
@@ -297,7 +293,7 @@ std::vector<PaperFigure> figure1(const SurfelCloud& gallery, int views,
     reference->render(view, settings, exact);
     on_frames(1 + static_cast<std::size_t>(views));
     panels.push_back({imageOf(frame), std::string(names[i]) + ", " + decimal(1.0 / focus_D[i], 2) +
-                                          " m; " + figureDb(psnr_dB(frame, exact)) +
+                                          " m; " + decibels(psnr_dB(frame, exact)) +
                                           " against the reference"});
   }
   return panels;
@@ -317,12 +313,12 @@ std::vector<std::vector<PaperFigure>> figure6(const ReproduceScene& scene,
     const std::string views =
         aperture == 0 ? std::string("one view")
                       : std::to_string(reference.views) + " views, one half against the other " +
-                            figureDb(reference.split_half_psnr_dB.value_or(INFINITY));
+                            decibels(reference.split_half_psnr_dB.value_or(INFINITY));
     rows.push_back(
         {{imageOf(ours), std::string(kOurs) + ": " + blur},
          {imageOf(reference.frame), "reference: " + views},
          {differenceOf(ours, reference.frame, kDifferenceGain),
-          "difference times " + decimal(kDifferenceGain, 0) + ": PSNR " + figureDb(row->psnr_dB)}});
+          "difference times " + decimal(kDifferenceGain, 0) + ": PSNR " + decibels(row->psnr_dB)}});
   }
   return rows;
 }
