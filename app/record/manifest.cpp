@@ -91,14 +91,9 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
                          const ManifestFacts& facts) {
   Json configuration = Json::object();
   for (const ResolvedKey& key : resolvedKeys(study)) {
-    const auto dot = key.name.find('.');
-    const Json value = Json::parse(key.json, nullptr, false);
-    const std::string name(key.name);
-    if (dot == std::string_view::npos) {
-      configuration[name] = value;
-    } else {
-      configuration[name.substr(0, dot)][name.substr(dot + 1)] = value;
-    }
+    const std::string section(sectionOf(key.name)), name(leafOf(key.name));
+    Json& all = section.empty() ? configuration : configuration[section];
+    all[name] = Json::parse(key.json, nullptr, false);
   }
   Json inputs = Json::array();
   for (const InputFile& input : facts.inputs) {

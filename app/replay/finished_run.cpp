@@ -89,10 +89,9 @@ Study studyOfRun(const std::filesystem::path& folder) {
   const std::string file = (folder / "manifest.json").string();
   Study study;
   for (const ResolvedKey& key : resolvedKeys(Study{})) {
-    const std::string name(key.name);
-    const std::size_t dot = name.find('.');
-    const Json& section = dot == name.npos ? all : all.value(name.substr(0, dot), Json::object());
-    const Json value = section.value(dot == name.npos ? name : name.substr(dot + 1), Json());
+    const std::string name(key.name), section(sectionOf(name));
+    const Json& stated = section.empty() ? all : all.value(section, Json::object());
+    const Json value = stated.value(std::string(leafOf(name)), Json());
     // The numbers of a monitor stand beside its file.
     if (value.is_null() || value == Json::array() || value == "" || name == "screen.monitor") {
       continue;

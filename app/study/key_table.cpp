@@ -3,6 +3,14 @@
 #include <sstream>
 
 namespace foci {
+
+std::string_view sectionOf(std::string_view key) {
+  const std::size_t dot = key.find('.');
+  return dot == key.npos ? std::string_view() : key.substr(0, dot);
+}
+
+std::string_view leafOf(std::string_view key) { return key.substr(key.find('.') + 1); }
+
 namespace {
 
 /// Words that people use for what a key sets, apart by blanks: without units, and with a section
@@ -45,16 +53,6 @@ constexpr Synonyms kSynonyms[] = {
 
 constexpr std::string_view kUnits[] = {"mm", "m",  "cm", "px", "deg",   "D",  "s",
                                        "ms", "Hz", "hz", "d",  "years", "um", "cd_m2"};
-
-std::string_view sectionOf(std::string_view key) {
-  const std::size_t dot = key.find('.');
-  return dot == key.npos ? std::string_view() : key.substr(0, dot);
-}
-
-std::string_view leafOf(std::string_view key) {
-  const std::size_t dot = key.find('.');
-  return dot == key.npos ? key : key.substr(dot + 1);
-}
 
 /// The leaf without its unit.
 std::string_view stemOf(std::string_view key) {

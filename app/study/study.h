@@ -220,6 +220,11 @@ struct ResolvedKey {
   bool is_default;           ///< the value in force
 };
 
+/// "observer" of "observer.pupil_mm"; empty for a key above the first section.
+std::string_view sectionOf(std::string_view key);
+/// "pupil_mm" of it.
+std::string_view leafOf(std::string_view key);
+
 /// Every key with the value in force, in the table's order.
 std::vector<ResolvedKey> resolvedKeys(const Study& study);
 

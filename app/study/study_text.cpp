@@ -49,13 +49,6 @@ Json valueOf(const Study& study, const ResolvedKey& key) {
                        "of the file, or of a folder above it");
 }
 
-/// "eye" and "up" of "eye.up"; no section of "seed".
-std::pair<std::string, std::string> splitName(std::string_view name) {
-  const std::size_t dot = name.find('.');
-  if (dot == std::string_view::npos) return {"", std::string(name)};
-  return {std::string(name.substr(0, dot)), std::string(name.substr(dot + 1))};
-}
-
 /// A file as a study in `folder` names it.
 std::filesystem::path namedIn(const std::filesystem::path& folder,
                               const std::filesystem::path& file) {
@@ -78,7 +71,7 @@ std::string sectionsOfKeys(const Study& study, const Wanted& wanted, const After
     const Json value = valueOf(study, key);
     if (value.is_null() || value == Json::array() || value == "" || !wanted(key)) continue;
     if (study.scene.file && key.name == "scene.builtin") continue;
-    const auto [in, name] = splitName(key.name);
+    const std::string in(sectionOf(key.name)), name(leafOf(key.name));
     const std::string line = name + " = " + tomlInFile(value) + after(key) + "\n";
     if (!in.empty() && std::exchange(section, in) != in) text += "\n[" + in + "]\n";
     (in.empty() ? above : text) += line;
@@ -142,7 +135,7 @@ std::string studyKeysMarkdown() {
   };
   std::string section = "none yet";
   for (const ResolvedKey& key : resolvedKeys(Study{})) {
-    const auto [in, name] = splitName(key.name);
+    const std::string in(sectionOf(key.name)), name(leafOf(key.name));
     if (in != section) {
       finish();
       text += in.empty() ? "\n## Above the first section\n" : "\n## [" + in + "]\n";
