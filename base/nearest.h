@@ -61,7 +61,7 @@ inline std::optional<std::string> nearWord(std::string_view word,
 /// one of several. @param known  not empty
 inline std::string nearest(std::string_view word, const std::vector<std::string>& known) {
   const std::string_view head = word.substr(0, 64);
-  return *std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+  return *std::ranges::min_element(known, [&](const auto& a, const auto& b) {
     return editDistance(head, a) < editDistance(head, b);
   });
 }

@@ -90,7 +90,7 @@ class CameraWindow {
   }
 
   void showText() const {
-    const auto count = static_cast<double>(std::count(covered_.begin(), covered_.end(), true));
+    const auto count = static_cast<double>(std::ranges::count(covered_, true));
     const double share = count / static_cast<double>(covered_.size());
     const std::string text = printed(
         "%zu views, %.0f %% of the image covered. Tilt the board, go to the corners, near and far.",

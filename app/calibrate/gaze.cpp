@@ -135,7 +135,7 @@ void refuseWindowOptions(const CalibrateGazeOptions& options) {
                      options.source.substr(0, 40) + ": expected mouse or webcam[:N|FILE|PATTERN]");
   }
   constexpr std::array<int, 4> kCounts{5, 9, 13, 16};
-  if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
+  if (std::ranges::find(kCounts, options.targets) == kCounts.end()) {
     throw InputError("--targets", std::to_string(options.targets) + ": expected 5, 9, 13 or 16");
   }
   refuseUnits(options, "the window");

@@ -65,7 +65,7 @@ void refuseOwnSamples(const std::filesystem::path& file, const std::vector<Sampl
   for (const Sample& sample : others) {
     if (tested == kTested) break;
     if (!hasGaze(sample)) continue;
-    if (std::find(fit.begin(), fit.end(), sample) == fit.end()) return;
+    if (std::ranges::find(fit, sample) == fit.end()) return;
     ++tested;
   }
   if (tested == 0) return;

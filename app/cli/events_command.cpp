@@ -88,7 +88,7 @@ std::string countsOf(const std::vector<GazeState>& states, const std::vector<Gaz
                      nlohmann::ordered_json& json) {
   std::string text;
   for (const GazeState kind : kStates) {
-    const auto samples = std::count(states.begin(), states.end(), kind);
+    const auto samples = std::ranges::count(states, kind);
     const auto count = countOf(events, kind);
     const double share = static_cast<double>(samples) / static_cast<double>(states.size());
     json["events"][nameOf(kind)] = {{"count", count}, {"share", share}};

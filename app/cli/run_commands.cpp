@@ -24,7 +24,7 @@ struct FiguresOptions {
 /// The number of a name in a list that has it.
 template <class Enum, class Names>
 Enum valueNamed(const std::string& name, const Names& names) {
-  return static_cast<Enum>(std::find(names.begin(), names.end(), name) - names.begin());
+  return static_cast<Enum>(std::ranges::find(names, name) - names.begin());
 }
 
 void runFigures(FiguresOptions options) {

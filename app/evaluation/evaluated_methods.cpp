@@ -95,7 +95,7 @@ void runInTurn(std::vector<TimedRun>& runs) {
 
 double median(std::vector<double> values) {
   assert(!values.empty());
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const std::size_t n = values.size();
   return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }

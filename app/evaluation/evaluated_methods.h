@@ -112,7 +112,7 @@ void keepChosen(std::vector<Scene>& scenes, const EvaluationChoice& choice, cons
   if (choice.scenes.empty()) return;
   const std::vector<std::string> known = transformed(scenes, nameOf);
   const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::ranges::find(names, name) != names.end();
   };
   for (const std::string& name : choice.scenes) {
     if (!contains(known, name)) {

@@ -82,8 +82,8 @@ double textWidth_px(const std::string& words, double size_px) {
 
 std::string svgOf(const Drawing& drawing) {
   // The children of an image do not exist for a screen reader.
-  const bool links = std::any_of(drawing.discs.begin(), drawing.discs.end(),
-                                 [](const DrawnDisc& disc) { return !disc.link.empty(); });
+  const bool links =
+      std::ranges::any_of(drawing.discs, [](const DrawnDisc& disc) { return !disc.link.empty(); });
   std::string svg =
       "<svg" +
       attribute("viewBox",

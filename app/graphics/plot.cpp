@@ -135,7 +135,7 @@ namespace {
 template <class TextOf>
 PlotAxis powersOfTen(std::string title, const std::vector<double>& values, const TextOf& textOf) {
   assert(!values.empty());
-  const auto [min, max] = std::minmax_element(values.begin(), values.end());
+  const auto [min, max] = std::ranges::minmax_element(values);
   assert(*min > 0.0);
   const double low = std::floor(std::log10(*min) + 1e-9);
   const double high = std::max(std::ceil(std::log10(*max) - 1e-9), low + 1.0);

@@ -262,7 +262,7 @@ void gazeControls(const KeyItems& items, const PanelContent& content) {
 void FrameGraph::draw() const {
   const ImVec2 size(ImGui::GetContentRegionAvail().x, 2.5f * ImGui::GetFontSize());
   const auto plot = [&](const char* name, const std::array<float, kFrames>& values) {
-    const float max = std::max(40.0f, *std::max_element(values.begin(), values.end()));
+    const float max = std::max(40.0f, *std::ranges::max_element(values));
     ImGui::Text("%s, 0 to %.0f ms", name, static_cast<double>(max));
     ImGui::PushID(name);
     ImGui::PlotLines("##graph", values.data(), kFrames, next_, nullptr, 0.0f, max, size);

@@ -101,7 +101,7 @@ std::vector<Camera> cameras() {
     // A camera has further nodes for metadata: only index 0 delivers images.
     if (firstLineOf(entry.path() / "index") == "0") nodes.push_back(entry.path());
   }
-  std::sort(nodes.begin(), nodes.end());
+  std::ranges::sort(nodes);
   std::vector<Camera> all;
   for (const fs::path& node : nodes) {
     const std::string device = "/dev/" + node.filename().string();

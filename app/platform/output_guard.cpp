@@ -126,7 +126,7 @@ constexpr const char* kFirstLine = "# Files that foci wrote here, and may replac
 std::optional<std::string> lineOf(const fs::path& file, std::string name) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
-  std::replace(name.begin(), name.end(), '\n', '?');
+  std::ranges::replace(name, '\n', '?');
   return std::to_string(status.st_size) + '\t' + std::to_string(status.st_mtim.tv_sec) + '\t' +
          std::to_string(status.st_mtim.tv_nsec) + '\t' + name;
 }
@@ -176,12 +176,12 @@ OutputLedger::OutputLedger(const fs::path& folder)
       lines_(linesOf(folder_ / kLedger)),
       is_new_(!fs::exists(folder_ / kLedger)) {
   const auto gone = [&](const std::string& line) { return !stillThere(folder_, line); };
-  lines_.erase(std::remove_if(lines_.begin(), lines_.end(), gone), lines_.end());
+  std::erase_if(lines_, gone);
 }
 
 bool OutputLedger::has(const fs::path& file) const {
   const auto line = lineOf(file, file.filename().string());
-  return line && std::find(lines_.begin(), lines_.end(), *line) != lines_.end();
+  return line && std::ranges::find(lines_, *line) != lines_.end();
 }
 
 void OutputLedger::add(const fs::path& temporary, const std::string& name) {

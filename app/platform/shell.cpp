@@ -13,9 +13,9 @@ std::string shellWord(std::string_view text) {
     constexpr std::string_view kPlain = "%+,-./:=@_";
     return (c < 0x80 && std::isalnum(c)) || kPlain.find(static_cast<char>(c)) != kPlain.npos;
   };
-  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return std::string(text);
+  if (!text.empty() && std::ranges::all_of(text, is_plain)) return std::string(text);
   const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-  if (std::any_of(text.begin(), text.end(), is_control)) {
+  if (std::ranges::any_of(text, is_control)) {
     std::string quoted = "$'";
     for (const char c : text) {
       if (is_control(static_cast<unsigned char>(c))) {

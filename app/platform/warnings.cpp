@@ -31,7 +31,7 @@ void quietLibraries() {
 }
 
 bool Warnings::keep(const std::string& text) {
-  if (std::find(all_.begin(), all_.end(), text) != all_.end()) return false;
+  if (std::ranges::find(all_, text) != all_.end()) return false;
   all_.push_back(text);
   return true;
 }

@@ -129,7 +129,7 @@ Image tileOf(const TriangleView& truth, const Frame& surfels) {
   for (std::size_t i = 0; i < leaks.size(); ++i) {
     if (leaks[i] <= kLeak) continue;
     const auto color = leakColor(leaks[i]);
-    std::copy(color.begin(), color.end(), tile.rgb.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    std::ranges::copy(color, tile.rgb.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
   return tile;
 }

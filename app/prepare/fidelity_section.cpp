@@ -117,8 +117,8 @@ std::string pictures(const FidelityReport& report) {
   const FidelityView& worst = report.views[report.worst];
   const std::string which =
       "view " + std::to_string(report.worst + 1) + ": " + figuresOf(worst.figures);
-  const auto leaking = std::count_if(report.views.begin(), report.views.end(),
-                                     [](const auto& view) { return view.figures.leaking > 0; });
+  const auto leaking = std::ranges::count_if(
+      report.views, [](const auto& view) { return view.figures.leaking > 0; });
   const std::string map_alt = "Map of " + std::to_string(report.views.size()) + " views in rows; " +
                               std::to_string(leaking) + " of them have leaks.";
   return "<h3>All views</h3>\n" +

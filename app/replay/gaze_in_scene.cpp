@@ -230,7 +230,7 @@ double noiseOf_deg(std::span<const glm::dvec3> directions) {
 bool restsOnAPoint(std::span<const SightSample> samples, const EventRules& rules) {
   const auto point_m = medianPoint_m(samples);
   if (!point_m) return false;
-  const bool moves = std::any_of(samples.begin(), samples.end(), [&](const SightSample& sample) {
+  const bool moves = std::ranges::any_of(samples, [&](const SightSample& sample) {
     return sample.origin_m != samples.front().origin_m;
   });
   if (!moves) return false;

@@ -32,7 +32,7 @@ glm::vec3 linearOf(const glm::vec3& code) {
 double scaleOf(const std::vector<double>& attention_s, const std::vector<double>& heat_s_per_m2) {
   std::vector<std::size_t> order(attention_s.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     return heat_s_per_m2[a] > heat_s_per_m2[b] || (heat_s_per_m2[a] == heat_s_per_m2[b] && a < b);
   });
   const double all_s = std::accumulate(attention_s.begin(), attention_s.end(), 0.0);

@@ -281,7 +281,7 @@ Part readPart(const std::filesystem::path& folder) {
   };
   if (part.span.first >= part.span.end || part.span.end > part.frames ||
       part.all.size() != part.span.end - part.span.first || part.all.front().image.empty() ||
-      std::any_of(part.all.begin(), part.all.end(), bad)) {
+      std::ranges::any_of(part.all, bad)) {
     throw InputError(file.string(), "expected what foci replay --frames wrote");
   }
   return part;

@@ -121,9 +121,7 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
 
 std::string focusText(const Study& study, const ReportFacts& facts) {
   if (study.focus.fixed_D || facts.summary.fixations < 2) return "";
-  const auto [least, most] = std::minmax_element(
-      facts.rows.begin(), facts.rows.end(),
-      [](const ChartRow& a, const ChartRow& b) { return a.focus_D < b.focus_D; });
+  const auto [least, most] = std::ranges::minmax_element(facts.rows, {}, &ChartRow::focus_D);
   const double range_D = most->focus_D - least->focus_D;
   const Screen screen = study.screenInForce();
   const double focal_px = study.imageSize_px().x * screen.distance_m / screen.size_m.x;

@@ -157,8 +157,7 @@ std::string rangeOf(const std::vector<ChartRow>& rows, double ChartRow::*member,
 
 std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks,
                        bool render_times) {
-  const auto changes = static_cast<std::size_t>(std::count_if(
-      marks.begin(), marks.end(), [](const RunMark& mark) { return mark.is_change; }));
+  const auto changes = static_cast<std::size_t>(std::ranges::count_if(marks, &RunMark::is_change));
   const std::size_t markers = marks.size() - changes;
   return "Panels over time, from " + decimal(rows.front().time_s, 2) + " s to " +
          decimal(rows.back().time_s, 2) + " s. Gaze, horizontal " +

@@ -32,9 +32,9 @@ RunChanges changesOfRun(const Study& study, const std::vector<Change>& changes,
       run.changes.push_back({change.time_s, change.key, from, to});
     }
   }
-  std::copy_if(
-      markers.begin(), markers.end(), std::back_inserter(run.markers),
-      [&](const TraceMarker& one) { return one.time_s >= first_s && one.time_s <= last_s; });
+  std::ranges::copy_if(markers, std::back_inserter(run.markers), [&](const TraceMarker& one) {
+    return one.time_s >= first_s && one.time_s <= last_s;
+  });
   return run;
 }
 
@@ -53,7 +53,7 @@ std::string changesText(const std::vector<SettingChange>& changes) {
   constexpr std::size_t kMaxValues = 6;
   std::vector<std::string> keys;
   for (const SettingChange& change : changes) {
-    if (std::find(keys.begin(), keys.end(), change.key) == keys.end()) keys.push_back(change.key);
+    if (std::ranges::find(keys, change.key) == keys.end()) keys.push_back(change.key);
   }
   std::string text;
   for (const std::string& key : keys) {

@@ -131,7 +131,7 @@ void FrameStatistics::fill(ReportFacts& facts) const {
   facts.frames_over = frames_over_;
   facts.first_over_s = first_over_s_;
   facts.worst_error = worst_error_;
-  const auto [min, max] = std::minmax_element(pupil_mm_.begin(), pupil_mm_.end());
+  const auto [min, max] = std::ranges::minmax_element(pupil_mm_);
   facts.pupil_min_mm = *min;
   facts.pupil_max_mm = *max;
 }

@@ -174,7 +174,7 @@ glm::dvec3 directionOf(int turn, double tilt_deg) {
 bool isAround(const Sights& sights) {
   const auto met = [](const auto& turns) {
     return static_cast<double>(
-        std::count_if(turns.begin(), turns.end(), [](const auto& s) { return s.has_value(); }));
+        std::ranges::count_if(turns, [](const auto& s) { return s.has_value(); }));
   };
   double all = 0.0;
   for (const auto& turns : sights) all += met(turns);

@@ -102,8 +102,8 @@ GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
   for (const WebcamFrame& frame : recording.frames) trace.samples.push_back(sampleOf(frame, map));
   if (trace.samples.size() < 2) throw InputError(nameOf(place), "expected at least 2 frames");
   trace.rate_Hz = 1.0 / (trace.samples[1].time_s - trace.samples[0].time_s);
-  const bool seen = std::any_of(trace.samples.begin(), trace.samples.end(),
-                                [](const GazeSample& s) { return s.point_px.has_value(); });
+  const bool seen = std::ranges::any_of(trace.samples,
+                                        [](const GazeSample& s) { return s.point_px.has_value(); });
   if (!seen)
     throw InputError(nameOf(place), "no eyes in any frame: expected a face before the camera");
   return trace;

@@ -67,13 +67,13 @@ std::string_view stemOf(std::string_view key) {
 }
 
 bool isKnown(const std::vector<std::string>& known, std::string_view key) {
-  return std::find(known.begin(), known.end(), key) != known.end();
+  return std::ranges::find(known, key) != known.end();
 }
 
 /// The first known key of which this holds.
 template <class Holds>
 std::optional<std::string> first(const std::vector<std::string>& known, const Holds& holds) {
-  const auto found = std::find_if(known.begin(), known.end(), holds);
+  const auto found = std::ranges::find_if(known, holds);
   return found == known.end() ? std::nullopt : std::optional(*found);
 }
 

@@ -69,7 +69,7 @@ void addMesh(SourceHash& key, const TriangleMesh& mesh) {
              mesh.surface, mesh.objects);
   std::vector<const MeshTexture*> textures;  // each once
   const auto addTexture = [&](const MeshTexture* texture) {
-    const auto known = std::find(textures.begin(), textures.end(), texture);
+    const auto known = std::ranges::find(textures, texture);
     key.add(known - textures.begin());
     if (known != textures.end()) return;
     textures.push_back(texture);

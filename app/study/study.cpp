@@ -87,7 +87,7 @@ Study readStudy(const std::filesystem::path& file) {
     resolve(trace, folder);
     study.gaze.source = trace.string();
   }
-  study.screen.is_default = std::none_of(given.begin(), given.end(), decidesAngles);
+  study.screen.is_default = std::ranges::none_of(given, decidesAngles);
   checkAlignment(study);
   takeMonitor(study);
   return study;

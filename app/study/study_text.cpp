@@ -149,7 +149,7 @@ std::string studyKeysMarkdown() {
     if (!key.allowed.empty() || !absent) rest += " |";
     rest += "\n";
     const auto same =
-        std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.second == rest; });
+        std::ranges::find_if(rows, [&](const auto& row) { return row.second == rest; });
     if (same == rows.end()) {
       rows.emplace_back("`" + name + "`", rest);
     } else {

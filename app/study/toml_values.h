@@ -149,7 +149,7 @@ inline void read(const toml::value& from, const Allowed&,
       throw Expected{what};
     }
   }
-  std::sort(to.begin(), to.end());  // a TOML table has no order
+  std::ranges::sort(to);  // a TOML table has no order
 }
 
 /// A value of an enum, by its word.
@@ -172,7 +172,7 @@ void read(const toml::value& from, const Allowed& allowed, std::vector<Enum>& to
   for (const toml::value& element : from.as_array()) {
     Enum value{};
     readPart(what, element, allowed, value);
-    if (std::find(to.begin(), to.end(), value) != to.end()) throw Expected{what + ", each once"};
+    if (std::ranges::find(to, value) != to.end()) throw Expected{what + ", each once"};
     to.push_back(value);
   }
 }

@@ -39,8 +39,9 @@ class ChartGroup {
 
   /// True if every cell is measured: then the scene need not be made.
   bool isComplete() const {
-    return reference_ && std::all_of(scene_.methods.begin(), scene_.methods.end(),
-                                     [&](const EvaluatedMethod& one) { return isDone(one); });
+    return reference_ && std::ranges::all_of(scene_.methods, [&](const EvaluatedMethod& one) {
+             return isDone(one);
+           });
   }
 
   /// The reference renders `seen`, every surfel, so that it does not depend on the tree's order.
@@ -63,7 +64,7 @@ class ChartGroup {
         point.method = method;
         point.threads = threads;
         point.ms_median = median(ms);
-        point.ms_min = *std::min_element(ms.begin(), ms.end());
+        point.ms_min = *std::ranges::min_element(ms);
         point.reference_psnr_dB = reference_->split_half_psnr_dB;
       }
     }
@@ -71,9 +72,9 @@ class ChartGroup {
 
   bool isDone(const EvaluatedMethod& method) const {
     const auto found = found_.find(method.spec());
-    return found != found_.end() &&
-           std::all_of(plan_.threads.begin(), plan_.threads.end(),
-                       [&](unsigned threads) { return runsMissing(found->second, threads) == 0; });
+    return found != found_.end() && std::ranges::all_of(plan_.threads, [&](unsigned threads) {
+             return runsMissing(found->second, threads) == 0;
+           });
   }
 
  private:
@@ -95,8 +96,8 @@ class ChartGroup {
   /// Renders the reference, and the first frame of each method that has no cell yet.
   void measureErrors(const SceneInView& seen) {
     const RenderSettings settings = seen.settingsThrough(aperture_m_);
-    const bool missing = std::any_of(scene_.methods.begin(), scene_.methods.end(),
-                                     [&](const auto& m) { return !found_.contains(m.spec()); });
+    const bool missing = std::ranges::any_of(
+        scene_.methods, [&](const auto& m) { return !found_.contains(m.spec()); });
     auto reference = cells_.loadReference(referenceName(), key_);
     if (missing && !reference) reference = renderReference(seen, settings);
     on_steps_(1);
@@ -235,8 +236,7 @@ Measured<ChartPoint> measureChart(const ChartPlan& plan, const ChartCells& cells
     for (const double blur_px : plan.blurs_px) {
       ChartGroup group(plan, scene, blur_px, cells, on_steps);
       const auto done = static_cast<std::size_t>(
-          std::count_if(scene.methods.begin(), scene.methods.end(),
-                        [&](const auto& one) { return group.isDone(one); }));
+          std::ranges::count_if(scene.methods, [&](const auto& one) { return group.isDone(one); }));
       result.kept += done;
       result.computed += scene.methods.size() - done;
       if (group.isComplete()) {

@@ -36,7 +36,7 @@ FocusChange focusChangeIn(const SceneInView& scene) {
   std::vector<double> vergences_D;
   for (const float depth_m : scene.depthsInView_m()) vergences_D.push_back(1.0 / depth_m);
   const double low_D = quantile(vergences_D, 0.1), high_D = quantile(vergences_D, 0.9);
-  const auto [min_D, max_D] = std::minmax_element(vergences_D.begin(), vergences_D.end());
+  const auto [min_D, max_D] = std::ranges::minmax_element(vergences_D);
   const double from_D{scene.settings.defocus.focus_D};
   const double to_D = from_D - low_D > high_D - from_D ? low_D : high_D;
   const double blur = std::max(*max_D - from_D, from_D - *min_D);

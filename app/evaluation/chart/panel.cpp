@@ -45,7 +45,7 @@ std::string pointTitleOf(const ChartPoint& point) {
 /// The frontier as a line: from below the fastest method up to it, in steps to the slowest, and on
 /// to the right.
 PlotSeries staircase(std::vector<glm::dvec2> corners, const Plot& plot) {
-  std::sort(corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  std::ranges::sort(corners, [](const auto& a, const auto& b) { return a.x < b.x; });
   PlotSeries line{.name = "frontier", .color = kInk, .discs = false, .width_px = 1.2};
   double y = plot.y.from;
   for (const glm::dvec2& corner : corners) {

@@ -50,10 +50,9 @@ bool hasImported(const std::vector<ChartPoint>& points) {
 std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const std::string& scene,
                                  double blur_px, unsigned threads) {
   std::vector<ChartPoint> chosen;
-  std::copy_if(points.begin(), points.end(), std::back_inserter(chosen),
-               [&](const ChartPoint& one) {
-                 return one.scene == scene && one.blur_px == blur_px && one.threads == threads;
-               });
+  std::ranges::copy_if(points, std::back_inserter(chosen), [&](const ChartPoint& one) {
+    return one.scene == scene && one.blur_px == blur_px && one.threads == threads;
+  });
   return chosen;
 }
 

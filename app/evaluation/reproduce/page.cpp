@@ -305,9 +305,9 @@ std::vector<std::vector<PaperFigure>> figure6(const ReproduceScene& scene,
   for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
     const Frame& ours = result.frames.at(kOurs)[aperture];
     const ReproduceReference& reference = result.reference[aperture];
-    const auto row = std::find_if(
-        result.rows.begin(), result.rows.end(),
-        [&](const ReproduceRow& one) { return one.method == kOurs && one.aperture == aperture; });
+    const auto row = std::ranges::find_if(result.rows, [&](const ReproduceRow& one) {
+      return one.method == kOurs && one.aperture == aperture;
+    });
     const std::string blur = "aperture " + decimal(scene.apertures_m[aperture], 3) +
                              " m, blur radius up to " + decimal(row->blur_px_max, 1) + " px";
     const std::string views =

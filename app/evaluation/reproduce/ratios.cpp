@@ -18,7 +18,7 @@ constexpr std::size_t kLargest = kApertures - 1;
 /// The row of `method` at `aperture` with the threads of `row`.
 const ReproduceRow& beside(const std::vector<ReproduceRow>& rows, const ReproduceRow& row,
                            std::string_view method, std::size_t aperture) {
-  const auto found = std::find_if(rows.begin(), rows.end(), [&](const ReproduceRow& one) {
+  const auto found = std::ranges::find_if(rows, [&](const ReproduceRow& one) {
     return one.method == method && one.aperture == aperture && one.threads == row.threads;
   });
   assert(found != rows.end());
