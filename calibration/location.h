@@ -12,13 +12,6 @@ struct RobustLocation {
   glm::dvec2 sd{0.0};  ///< per axis, from the median absolute deviation; 0 for a single sample
 };
 
-/// Gaussian sigma over the median absolute deviation: 1 / Phi^-1(3/4).
-inline constexpr double kSigmaPerMad = 1.4826;
-
-/// Tukey's biweight: at 4.685 sigma the fit is 95 % as efficient as the mean on Gaussian samples
-/// (Holland and Welsch 1977).
-inline constexpr double kTukey = 4.685;
-
 /// Median of a Rayleigh distribution over its sigma, sqrt(2 ln 2): the length of an error with
 /// Gaussian axes.
 inline constexpr double kRayleighMedian = 1.1774;

@@ -332,9 +332,8 @@ RecordedSights sightsOf(const GazeTrace& trace, const Screen& screen, double ipd
     all.push_back(sight);
   }
   RecordedSights sights{.sights = someOf(all, kMaxAlignedSights)};
-  constexpr double kMadToSigma = 1.4826;
   if (!steps_D.empty()) {
-    sights.sigma_D = std::hypot(kSurface_D, kMadToSigma * quantile(steps_D, 0.5) / std::sqrt(2.0));
+    sights.sigma_D = std::hypot(kSurface_D, kSigmaPerMad * quantile(steps_D, 0.5) / std::sqrt(2.0));
   }
   return sights;
 }

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/quantile.h"
 #include "calibration/gaze_map/stations.h"
-#include "calibration/location.h"
 #include "calibration/solve.h"
 
 namespace foci {

@@ -66,7 +66,6 @@ double unlike(const HeadPose& a, const HeadPose& b) {
 }
 
 constexpr double kMinSpread_px = 0.15;  // scatter of good matches
-constexpr double kTukey = 4.685;  // 95 % efficiency for normal errors (Holland and Welsch 1977)
 
 /// Rotation about a vector by its length (Rodrigues).
 glm::dmat3 rotation(const glm::dvec3& turn) {
@@ -77,14 +76,13 @@ glm::dmat3 rotation(const glm::dvec3& turn) {
   return glm::dmat3(1.0) + std::sin(angle) * cross + (1.0 - std::cos(angle)) * cross * cross;
 }
 
-/// Gram-Schmidt orthonormalisation, so that rounding errors do not accumulate.
+}  // namespace
+
 glm::dmat3 orthonormal(const glm::dmat3& m) {
   const glm::dvec3 x = glm::normalize(m[0]);
   const glm::dvec3 y = glm::normalize(m[1] - glm::dot(m[1], x) * x);
   return {x, y, glm::cross(x, y)};
 }
-
-}  // namespace
 
 HeadPose HeadTracker::frontal(const Pinhole& camera, const std::array<glm::dvec2, 2>& irises_px) {
   const auto along = [&](const glm::dvec2& px) {
@@ -284,7 +282,7 @@ std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const gl
                glm::distance(project(camera, fit.pose, points_mm[i]), image_px[i]);
     }
     sorted = off;
-    const double spread = std::max(1.4826 * quantile(sorted, 0.5), kMinSpread_px);
+    const double spread = std::max(kSigmaPerMad * quantile(sorted, 0.5), kMinSpread_px);
     const double limit = kTukey * spread;
     if (round == kRounds) {
       double count = 0.0, sum2 = 0.0;

@@ -41,6 +41,9 @@ Pinhole usualPinhole(const glm::ivec2& size_px);
 /// lengths, so they have the same relative error as this value has for the observer.
 inline constexpr double kMeanIpd_mm = 63.0;
 
+/// Gram-Schmidt orthonormalisation, so that rounding errors do not accumulate.
+glm::dmat3 orthonormal(const glm::dmat3& m);
+
 struct HeadPose {
   glm::dmat3 camera_from_head{1.0};
   glm::dvec3 position_mm{0.0, 0.0, 600.0};  ///< of the head's origin, camera frame

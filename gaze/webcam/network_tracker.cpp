@@ -235,10 +235,7 @@ void NetworkTracker::learnPose(const cv::Mat& grey) {
     compared_ = std::min(compared_ + 1, kCompared);
     const double weight = 1.0 / compared_;
     const glm::dmat3 turn = glm::transpose(pose_.camera_from_head) * mesh_pose_.camera_from_head;
-    const glm::dmat3 mean = (1.0 - weight) * mesh_turn_ + weight * turn;
-    const glm::dvec3 x = glm::normalize(mean[0]);
-    const glm::dvec3 y = glm::normalize(mean[1] - glm::dot(mean[1], x) * x);
-    mesh_turn_ = {x, y, glm::cross(x, y)};
+    mesh_turn_ = orthonormal((1.0 - weight) * mesh_turn_ + weight * turn);
     mesh_shift_mm_ += weight * (mesh_pose_.position_mm - pose_.position_mm - mesh_shift_mm_);
     return;
   }
