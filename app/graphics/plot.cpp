@@ -315,4 +315,13 @@ Drawing layOut(const Plot& plot) {
   return drawing;
 }
 
+Drawing layOut(const std::vector<Plot>& plots, std::size_t across) {
+  const glm::dvec2 panel_px = plots.front().size_px;
+  Drawing all{.size_px = glm::dvec2(across, (plots.size() + across - 1) / across) * panel_px};
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    all.add(layOut(plots[i]), glm::dvec2(i % across, i / across) * panel_px);
+  }
+  return all;
+}
+
 }  // namespace foci

@@ -65,4 +65,7 @@ struct Plot {
 
 Drawing layOut(const Plot& plot);
 
+/// The plots, at least one and all of one size, side by side in rows of `across`.
+Drawing layOut(const std::vector<Plot>& plots, std::size_t across);
+
 }  // namespace foci

@@ -338,10 +338,6 @@ std::vector<std::string> mapsOf(const Part& part, std::size_t i,
   return files;
 }
 
-bool sameInputs(const Part& a, const Part& b) {
-  return std::ranges::equal(a.inputs, b.inputs, {}, &InputFile::sha256, &InputFile::sha256);
-}
-
 /// @throws InputError unless `part` belongs to the same run as `first`
 void requireSameRun(const Part& first, const Part& part) {
   const std::string both = first.folder.string() + " and " + part.folder.string();
@@ -352,7 +348,7 @@ void requireSameRun(const Part& first, const Part& part) {
   if (part.configuration != first.configuration || part.frames != first.frames) {
     throw InputError(both, "have different studies; expected parts of one run");
   }
-  if (!sameInputs(first, part)) {
+  if (!std::ranges::equal(first.inputs, part.inputs, {}, &InputFile::sha256, &InputFile::sha256)) {
     throw InputError(both, "have input files with different contents; expected parts of one run");
   }
 }

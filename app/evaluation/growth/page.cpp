@@ -12,7 +12,6 @@
 namespace foci {
 namespace {
 
-constexpr glm::dvec2 kGrowthPanel_px{760.0, 300.0};
 constexpr double kFps = 30.0;
 
 struct ShownAxis {
@@ -36,7 +35,7 @@ Plot growthPlot(const ShownAxis& shown, const std::vector<const GrowthCurve*>& c
                                         : "CPU time of a frame";
   Plot plot{.title = (curves[0]->points[0].gaussians ? "Gaussians: " : "Surfels: ") + what,
             .end_labels = true,
-            .size_px = kGrowthPanel_px};
+            .size_px = {760.0, 300.0}};
   std::vector<double> sizes, costs;
   for (const GrowthCurve* curve : curves) {
     PlotSeries line{.name = curve->method + ": " +
@@ -162,12 +161,7 @@ std::string growthPage(bool quick, const std::vector<GrowthCurve>& curves,
 }
 
 Drawing growthOverview(const std::vector<GrowthCurve>& curves) {
-  const std::vector<Plot> plots = growthPlots(curves);
-  Drawing all{.size_px = glm::dvec2(2.0, (plots.size() + 1) / 2) * kGrowthPanel_px};
-  for (std::size_t i = 0; i < plots.size(); ++i) {
-    all.add(layOut(plots[i]), glm::dvec2(i % 2, i / 2) * kGrowthPanel_px);
-  }
-  return all;
+  return layOut(growthPlots(curves), 2);
 }
 
 }  // namespace foci

@@ -8,11 +8,11 @@
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
 #include "base/text.h"
+#include "base/transformed.h"
 
 namespace foci {
 namespace {
 
-constexpr glm::dvec2 kStabilityPanel_px{760.0, 400.0};
 constexpr double kStepMargin = 0.15;  // free space beside the first and last value, in steps
 constexpr double kMinError = 1e-4;    // the logarithmic axis shows smaller errors as this
 
@@ -60,7 +60,7 @@ Plot stabilityPanelOf(const StabilityPlan& plan, const StabilityScene& scene,
   const auto scores = scoresOf(scene, points);
   const std::string name = scene.name + ": " + scene.what;
   Plot plot{
-      .title = titled ? name : "", .name = name, .end_labels = true, .size_px = kStabilityPanel_px};
+      .title = titled ? name : "", .name = name, .end_labels = true, .size_px = {760.0, 400.0}};
   std::vector<double> heights = {scene.good};
   for (std::size_t by = 0; by < names.size(); ++by) {
     PlotSeries line{
@@ -184,15 +184,11 @@ std::string stabilityPage(const StabilityPlan& plan, const std::vector<Stability
 }
 
 Drawing stabilityOverview(const StabilityPlan& plan, const std::vector<StabilityPoint>& points) {
-  constexpr int kAcross = 3;
-  const int rows = (static_cast<int>(plan.scenes.size()) + kAcross - 1) / kAcross;
-  Drawing all{.size_px = glm::dvec2(kAcross, rows) * kStabilityPanel_px};
-  for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
-    const auto at = static_cast<int>(i);
-    all.add(layOut(stabilityPanelOf(plan, plan.scenes[i], points, true)),
-            glm::dvec2(at % kAcross, at / kAcross) * kStabilityPanel_px);
-  }
-  return all;
+  return layOut(transformed(plan.scenes,
+                            [&](const StabilityScene& scene) {
+                              return stabilityPanelOf(plan, scene, points, true);
+                            }),
+                3);
 }
 
 }  // namespace foci
