@@ -34,11 +34,6 @@ std::string terminalOf(const FigureStyle& style) {
          font;
 }
 
-void replaceText(std::string& text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  if (at != text.npos) text.replace(at, from.size(), to);
-}
-
 /// Gives gnuplot's <svg> element size, role, title and description in place of its own.
 void describe(std::string& svg, const FigureStyle& style, const std::string& title,
               const std::string& description) {
@@ -47,8 +42,9 @@ void describe(std::string& svg, const FigureStyle& style, const std::string& tit
                                 escaped(title) + "\"");
   const std::size_t from = svg.find("<desc>"), to = svg.find("</desc>");
   if (from != svg.npos && to != svg.npos) svg.erase(from, to + 7 - from);
-  replaceText(svg, "<title>foci</title>",
-              "<title>" + escaped(title) + "</title>\n<desc>" + escaped(description) + "</desc>");
+  svg =
+      replaced(std::move(svg), "<title>foci</title>",
+               "<title>" + escaped(title) + "</title>\n<desc>" + escaped(description) + "</desc>");
 }
 
 std::string ofScreen(const char* side, double share) {

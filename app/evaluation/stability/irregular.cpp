@@ -35,17 +35,18 @@ StabilitySetup wallOf(PointCloud&& points) {
           .score = [](const Frame& frame) { return coverageErrorFrom(frame, 1.0f, 8); }};
 }
 
-/// The half-plane of `edgeSheets`, blurred by `radius_px`, before a sheet in focus.
+/// The half-plane of `edgeSheets`, blurred, before a sheet in focus.
 /// @param addNear  adds the surfels of the half-plane
 template <class AddNear>
-StabilitySetup edgeWith(float radius_px, const AddNear& addNear) {
+StabilitySetup edgeWith(const AddNear& addNear) {
+  constexpr float kRadius_px = 8.0f;
   const std::vector<Sheet> sheets = edgeSheets(1.0f, 2.0f);
-  StabilitySetup setup = sceneOf({sheets[0]}, lens(2.0f * radius_px, 0.5f));
+  StabilitySetup setup = sceneOf({sheets[0]}, lens(2.0f * kRadius_px, 0.5f));
   addNear(setup.cloud, sheets[1]);
   setup.truth = [sheets](const View& seen, const RenderSettings& settings, int samples) {
     return exactFrame(sheets, seen, settings, samples);
   };
-  setup.score = [=](const Frame& frame) { return edgeError(frame, radius_px, radius_px + 4.0); };
+  setup.score = [](const Frame& frame) { return edgeError(frame, kRadius_px, kRadius_px + 4.0); };
   return setup;
 }
 
@@ -88,7 +89,7 @@ StabilitySetup patches(float width_px) {
 }
 
 StabilitySetup duplicates(float copies) {
-  return edgeWith(8.0f, [=](SurfelCloud& cloud, const Sheet& sheet) {
+  return edgeWith([=](SurfelCloud& cloud, const Sheet& sheet) {
     SurfelCloud regular;
     addSurfels(regular, sheet);
     PointCloud points;
@@ -112,7 +113,7 @@ StabilitySetup duplicates(float copies) {
 
 StabilitySetup misledNormals(float angle_deg) {
   return edgeWith(
-      8.0f, [=](SurfelCloud& cloud, const Sheet& sheet) { addSurfels(cloud, sheet, angle_deg); });
+      [=](SurfelCloud& cloud, const Sheet& sheet) { addSurfels(cloud, sheet, angle_deg); });
 }
 
 }  // namespace stability
