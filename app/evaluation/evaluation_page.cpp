@@ -63,11 +63,6 @@ box.addEventListener('click', event => { if (event.target === box) box.close(); 
 
 }  // namespace
 
-std::string cell(const std::string& text, const char* kind) {
-  return std::string("<td") + (*kind ? std::string(" class=\"") + kind + "\"" : "") + ">" + text +
-         "</td>";
-}
-
 std::string numberHtml(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "&infin;";
 }

@@ -15,11 +15,6 @@ extern const char* const kEvaluationStyle;
 /// The style of the pages of `foci chart`, besides `kEvaluationStyle`.
 extern const char* const kChartStyle;
 
-/// A cell of a table.
-/// @param text  HTML
-/// @param kind  CSS class
-std::string cell(const std::string& text, const char* kind = "");
-
 /// A number in HTML; an infinity sign if it is not finite.
 std::string numberHtml(double value, int digits);
 

@@ -386,13 +386,14 @@ std::string validationPage(const std::vector<ValidationFigure>& figures) {
               "class=\"value\">here</th><th></th><th>source</th></tr>\n";
     }
     const std::string unit = one.unit.empty() ? "" : " " + escaped(one.unit);
-    page << "<tr><td>" << escaped(one.what) << "</td><td class=\"value\">"
-         << decimal(one.expected, one.digits) << unit << "</td><td class=\"value\">&plusmn;"
-         << significant(one.tolerance, 2) << "</td><td class=\"value"
-         << (one.inBounds() ? "" : " out") << "\">" << decimal(one.value, one.digits) << unit
-         << "</td><td>" << dotOf(one) << "</td><td>" << escaped(one.source)
-         << (one.known_miss.empty() ? "" : "; known miss: " + escaped(one.known_miss))
-         << "</td></tr>\n";
+    page << "<tr>" << cell(escaped(one.what))
+         << cell(decimal(one.expected, one.digits) + unit, "value")
+         << cell("&plusmn;" + significant(one.tolerance, 2), "value")
+         << cell(decimal(one.value, one.digits) + unit, one.inBounds() ? "value" : "value out")
+         << cell(dotOf(one))
+         << cell(escaped(one.source) +
+                 (one.known_miss.empty() ? "" : "; known miss: " + escaped(one.known_miss)))
+         << "</tr>\n";
   }
   page << "</table>\n<p class=\"quiet\">The typical eye has coma, trefoil and spherical "
           "aberration in the proportions, and with the root mean square, of 2560 normal eyes "

@@ -83,6 +83,11 @@ std::string noticesOf(const std::vector<std::string>& texts) {
   return html;
 }
 
+std::string cell(const std::string& text, const char* kind) {
+  return std::string("<td") + (*kind ? std::string(" class=\"") + kind + "\"" : "") + ">" + text +
+         "</td>";
+}
+
 std::string numberCell(const std::string& value, const std::string& what) {
   return "<div><b>" + value + "</b><span>" + what + "</span></div>\n";
 }

@@ -32,6 +32,11 @@ std::string imageUri(const std::string& bytes, const std::string& type = "jpeg")
 /// Texts that the reader should know first, each in a paragraph that stands out. Plain text.
 std::string noticesOf(const std::vector<std::string>& texts);
 
+/// A cell of a table.
+/// @param text  HTML
+/// @param kind  CSS class
+std::string cell(const std::string& text, const char* kind = "");
+
 /// A number and its name, as a cell of a `numbers` block. Both are HTML.
 std::string numberCell(const std::string& value, const std::string& what);
 

@@ -84,19 +84,18 @@ std::string textOf(const Some& value, int digits, const char* absent) {
 }
 
 /// A table of the page: a row for each run.
-/// @param heads  of the columns, as HTML @param cell  of a run and a column, as HTML
+/// @param heads  of the columns, as HTML @param value  of a run and a column, as HTML
 void writeTable(std::ostream& out, const std::vector<ComparedRun>& runs,
                 const std::vector<std::string>& heads,
-                const std::function<std::string(std::size_t, std::size_t)>& cell) {
+                const std::function<std::string(std::size_t, std::size_t)>& value) {
   out << "<div class=\"scroll\"><table><tr><th>run</th>";
   for (const std::string& head : heads) out << "<th>" << head << "</th>";
   out << "</tr>\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    out << "<tr><td><b style=\"color:" << colorOf(i) << "\">&#9632;</b> " << escaped(runs[i].name)
-        << "</td>";
-    for (std::size_t k = 0; k < heads.size(); ++k) {
-      out << "<td class=\"value\">" << cell(i, k) << "</td>";
-    }
+    out << "<tr>"
+        << cell(std::string("<b style=\"color:") + colorOf(i) + "\">&#9632;</b> " +
+                escaped(runs[i].name));
+    for (std::size_t k = 0; k < heads.size(); ++k) out << cell(value(i, k), "value");
     out << "</tr>\n";
   }
   out << "</table></div>\n";

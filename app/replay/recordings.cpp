@@ -185,8 +185,8 @@ void writeProblems(std::ostream& out, const std::vector<BatchResult>& results) {
   out << "<h2>Recordings without a run</h2>\n<table><tr><th>recording</th><th>problem</th></tr>\n";
   for (const BatchResult& result : results) {
     if (result.problem.empty()) continue;
-    out << "<tr><td>" << escaped(result.recording.trace) << "</td><td>" << escaped(result.problem)
-        << "</td></tr>\n";
+    out << "<tr>" << cell(escaped(result.recording.trace)) << cell(escaped(result.problem))
+        << "</tr>\n";
   }
   out << "</table>\n";
 }

@@ -200,9 +200,9 @@ std::string configuration(const Study& study, bool changes) {
   std::string html = "<details><summary>The study as resolved" +
                      std::string(changes ? ", at the first frame" : "") + "</summary><table>\n";
   for (const ResolvedKey& key : resolvedKeys(study)) {
-    html += "<tr><td><code>" + std::string(key.name) + "</code></td><td class=\"value\">" +
-            escaped(key.json == "null" ? "n/a" : key.json) + "</td><td class=\"quiet\">" +
-            escaped(std::string(key.meaning)) + "</td></tr>\n";
+    html += "<tr>" + cell("<code>" + std::string(key.name) + "</code>") +
+            cell(escaped(key.json == "null" ? "n/a" : key.json), "value") +
+            cell(escaped(std::string(key.meaning)), "quiet") + "</tr>\n";
   }
   return html + "</table></details>\n";
 }
@@ -269,11 +269,10 @@ std::string objectsText(const std::vector<ObjectLooks>& objects) {
       "s</th><th>fixations</th><th>visits</th><th>mean distance, m</th></tr>\n";
   for (std::size_t i = 0; i < std::min(seen.size(), kMost); ++i) {
     const ObjectLooks& one = *seen[i];
-    text += "<tr><td>" + escaped(one.name) + "</td><td>" +
-            (one.first_look_s ? decimal(*one.first_look_s, 2) : "&ndash;") + "</td><td>" +
-            decimal(one.dwell_s, 2) + "</td><td>" + std::to_string(one.fixations) + "</td><td>" +
-            std::to_string(one.visits) + "</td><td>" + decimal(*one.mean_distance_m, 2) +
-            "</td></tr>\n";
+    text += "<tr>" + cell(escaped(one.name)) +
+            cell(one.first_look_s ? decimal(*one.first_look_s, 2) : "&ndash;") +
+            cell(decimal(one.dwell_s, 2)) + cell(std::to_string(one.fixations)) +
+            cell(std::to_string(one.visits)) + cell(decimal(*one.mean_distance_m, 2)) + "</tr>\n";
   }
   text += "</table></div>\n<p class=\"quiet\">";
   if (seen.size() > kMost) text += std::to_string(seen.size() - kMost) + " more in objects.tsv. ";

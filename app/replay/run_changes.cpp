@@ -91,10 +91,10 @@ std::string marksTable(const std::vector<RunMark>& marks) {
       "<tr><th scope=\"col\">no.</th><th scope=\"col\">time</th><th scope=\"col\">kind</th>"
       "<th scope=\"col\">what</th></tr>\n";
   for (std::size_t i = 0; i < std::min(marks.size(), kMaxRows); ++i) {
-    html += "<tr><td>" + std::to_string(i + 1) + "</td><td class=\"value\">" +
-            decimal(marks[i].time_s, 3) + " s</td><td>" +
-            (marks[i].is_change ? "change" : "event marker") + "</td><td class=\"value\">" +
-            escaped(marks[i].text) + "</td></tr>\n";
+    html += "<tr>" + cell(std::to_string(i + 1)) +
+            cell(decimal(marks[i].time_s, 3) + " s", "value") +
+            cell(marks[i].is_change ? "change" : "event marker") +
+            cell(escaped(marks[i].text), "value") + "</tr>\n";
   }
   html += "</table>\n";
   if (marks.size() > kMaxRows) {
