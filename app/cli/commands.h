@@ -62,7 +62,6 @@ CLI::Option* addOption(CLI::App& command, const char* name, Value& value, const 
 /// @throws InputError instead, while parsing, if the user gave an option an empty value
 void onceParsed(CLI::App& command, const std::function<void()>& run);
 
-/// Adds --overwrite.
 void addOverwriteFlag(CLI::App& command, bool& overwrite);
 
 /// The value of --threads; if `threads` is empty, the number that TBB uses now. @throws InputError

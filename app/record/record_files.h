@@ -46,7 +46,6 @@ std::vector<HeadRow> readHeads(const std::filesystem::path& file);
 /// Gives the samples their heads; both are in order of time.
 void giveHeads(const std::vector<HeadRow>& rows, std::vector<GazeSample>& samples);
 
-/// A frame of a record.
 struct RecordedFrame {
   double time_s = 0.0;
   std::string method;

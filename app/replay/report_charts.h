@@ -68,7 +68,6 @@ struct HeadsetAxes {
   glm::dvec3 up;  ///< of the scene, unit
 };
 
-/// Rows for the charts.
 using ChartSeries = Thinned<ChartRow, 4000>;
 
 /// A stretch of time in which nothing was recorded.

@@ -63,7 +63,6 @@ namespace {
 using MethodsByName = std::map<std::string, std::unique_ptr<Method>>;
 using OnFrames = std::function<void(std::size_t)>;
 
-/// Renders the reference of one aperture.
 ReproduceReference renderReference(const ReproduceScene& scene, std::size_t aperture,
                                    const ReproduceEffort& effort, const OnFrames& on_frames) {
   ReproduceReference reference{
