@@ -21,6 +21,7 @@ struct LasPoint {
   std::array<std::int32_t, 3> steps;
   std::uint16_t intensity = 0;
   std::array<std::uint16_t, 3> color{};
+  std::array<std::uint8_t, 2> flags_and_class{};  // formats 0 to 5 have both in the first
 };
 
 /// A record of variable length: number and content.
@@ -89,6 +90,7 @@ struct LasFile {
       all.resize(at + record_bytes);
       put(at, point.steps);
       put(at + 12, point.intensity);
+      put(at + 15, point.flags_and_class);
       if (color_at != 0) put(at + color_at, point.color);
     }
     if (late) {
@@ -154,6 +156,27 @@ TEST_F(Las, ColoursOfEightBitsAreSeenAsSuch) {
   dark[0].color = {255, 0, 128};
   dark[1].color = {0, 255, 0};
   EXPECT_FLOAT_EQ(read({.points = dark}).color[0].x, 1.0f);
+}
+
+TEST_F(Las, LeavesOutNoiseAndWithheldPoints) {
+  using Flags = std::array<std::uint8_t, 2>;
+  const auto left = [&](unsigned char format, std::uint16_t bytes, const Flags& flags) {
+    LasFile file{.format = format, .record_bytes = bytes, .color_at = 0, .points = kTwo};
+    file.points[0].flags_and_class = flags;
+    const PointCloud points = read(file);
+    EXPECT_EQ(points.remarks.size(), 2 - points.size());
+    EXPECT_FLOAT_EQ(points.position_m.back().x, 1.001f);
+    return points.size();
+  };
+  constexpr Flags kOld[] = {{7}, {128 | 2}, {32 | 7}}, kOldKept[] = {{18}, {32 | 2}, {2, 7}};
+  constexpr Flags kNew[] = {{0, 7}, {0, 18}, {4, 2}}, kNewKept[] = {{128, 2}, {3, 6}, {0, 2}};
+  for (const Flags& flags : kOld) EXPECT_EQ(left(0, 20, flags), 1u);
+  for (const Flags& flags : kOldKept) EXPECT_EQ(left(0, 20, flags), 2u);
+  for (const Flags& flags : kNew) EXPECT_EQ(left(6, 30, flags), 1u);
+  for (const Flags& flags : kNewKept) EXPECT_EQ(left(6, 30, flags), 2u);
+  LasFile noise{.points = kTwo};
+  for (LasPoint& point : noise.points) point.flags_and_class = {7};
+  EXPECT_EQ(read(noise).size(), 2u) << "of noise alone";
 }
 
 TEST_F(Las, IntensityIsGreyWhereThereAreNoColours) {
