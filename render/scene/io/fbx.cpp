@@ -3,6 +3,7 @@
 
 #ifdef FOCI_FBX
 
+#include <assimp/commonMetaData.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -14,6 +15,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -200,14 +202,17 @@ class FbxMesh {
       from.Get(key, type, index, read_color);
       return glm::vec3(read_color.r, read_color.g, read_color.b);
     };
-    const glm::vec3 emitted = linearColor(glm::max(color(AI_MATKEY_COLOR_EMISSIVE), 0.0f));
+    const auto light = [&](const glm::vec3& rgb) {
+      return is_linear_ ? glm::clamp(rgb, 0.0f, 1.0f) : linearColor(rgb);
+    };
+    const glm::vec3 emitted = light(glm::max(color(AI_MATKEY_COLOR_EMISSIVE), 0.0f));
     glm::vec3 diffuse = color(AI_MATKEY_COLOR_DIFFUSE);
     for (const char* key : {"$clr.base", "$raw.Maya|baseColor", "$raw.3dsMax|Parameters|base_color",
                             "$raw.3dsMax|main|basecolor"}) {
       if (diffuse.x < 0.0f) diffuse = color(key, 0, 0);
     }
     const bool plain = from.GetName() == aiString(AI_DEFAULT_MATERIAL_NAME);
-    if (diffuse.x >= 0.0f && !plain) material.factor = linearColor(diffuse);
+    if (diffuse.x >= 0.0f && !plain) material.factor = light(diffuse);
     const bool glows = builder_.takeLight(diffuse == glm::vec3(0.0f), emitted, material);
     float opacity = 1.0f;
     from.Get(AI_MATKEY_OPACITY, opacity);
@@ -243,8 +248,9 @@ class FbxMesh {
     return read;
   }
 
-  /// Centimetres a unit, and the upward axis.
-  static void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
+  /// Centimetres a unit, the upward axis, and who wrote it: Blender writes linear light, and most
+  /// others sRGB.
+  void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
     double unit_cm = 0.0;
     float unit_cm_float = 0.0f;
     if (!metadata.Get("UnitScaleFactor", unit_cm) &&
@@ -252,6 +258,9 @@ class FbxMesh {
       unit_cm = double{unit_cm_float};
     }
     if (unit_cm > 1e-6 && unit_cm < 1e6) facts.unit_m = 0.01 * unit_cm;
+    aiString writer;
+    is_linear_ = metadata.Get(AI_METADATA_SOURCE_GENERATOR, writer) &&
+                 std::string_view(writer.C_Str()).starts_with("Blender");
     int axis = 0;
     if (metadata.Get("UpAxis", axis) && axis >= 0 && axis <= 2) facts.up_axis = axis;
   }
@@ -261,7 +270,7 @@ class FbxMesh {
   const aiScene& scene_;  // of the importer
   MeshBuilder builder_;
   std::size_t parts_ = 0, corners_ = 0;
-  bool masked_ = false, has_morphs_ = false;
+  bool masked_ = false, has_morphs_ = false, is_linear_ = false;
 };
 
 }  // namespace

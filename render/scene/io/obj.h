@@ -59,8 +59,8 @@ struct MtlTexture {
 
 struct MtlMaterial {
   std::string name{};
-  std::optional<glm::vec3> diffuse{};                     ///< Kd, sRGB
-  glm::vec3 emitted{0.0f};                                ///< Ke, sRGB
+  std::optional<glm::vec3> diffuse{};                     ///< Kd, linear light
+  glm::vec3 emitted{0.0f};                                ///< Ke, linear light
   std::optional<float> opacity{};                         ///< d
   std::optional<float> transparency{};                    ///< Tr
   std::optional<MtlTexture> color{}, emission{}, mask{};  ///< map_Kd, map_Ke, map_d
@@ -70,6 +70,7 @@ struct MtlMaterial {
 struct MtlFile {
   std::vector<MtlMaterial> materials{};
   std::vector<std::filesystem::path> textures{};  ///< all that it names and that are there
+  std::vector<std::string> remarks{};
 };
 
 /// @param obj  the mesh: textures may lie beside it, too

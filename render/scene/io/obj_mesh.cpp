@@ -37,8 +37,11 @@ std::optional<float> nextMtlNumber(std::string_view& rest) {
   return static_cast<float>(*number);
 }
 
-glm::vec3 mtlColor(std::string_view rest) {
-  glm::vec3 color(nextMtlNumber(rest).value_or(0.0f));
+/// Absent if it is not in numbers, but `spectral` or `xyz`.
+std::optional<glm::vec3> mtlColor(std::string_view rest) {
+  const auto first = nextMtlNumber(rest);
+  if (!first) return std::nullopt;
+  glm::vec3 color(*first);
   color.y = nextMtlNumber(rest).value_or(color.x);  // one number is grey
   color.z = nextMtlNumber(rest).value_or(color.x);
   return color;
@@ -66,6 +69,7 @@ class MtlReader {
  private:
   void takeLine(std::string_view rest) {
     const std::string word = lowered(nextMtlWord(rest));
+    if (word == "#") linear_ |= trimmed(rest).starts_with("Blender");
     if (word == "newmtl") {
       file_.materials.push_back({.name = std::string(plainName(rest))});
       return;
@@ -73,9 +77,14 @@ class MtlReader {
     MtlMaterial unnamed;
     MtlMaterial& material = file_.materials.empty() ? unnamed : file_.materials.back();
     if (word == "kd") {
-      material.diffuse = mtlColor(rest);
+      constexpr float kMost = 1.001f;
+      const auto color = mtlColor(rest);
+      if (color) material.diffuse = lightOf(*color);
+      if (color && std::max({color->x, color->y, color->z}) < kMost) return;
+      file_.remarks = {mtl_.filename().string() + " has Kd " + shown(trimmed(rest)) +
+                       ": write red, green and blue as 0 to 1"};
     } else if (word == "ke") {
-      material.emitted = mtlColor(rest);
+      material.emitted = lightOf(mtlColor(rest).value_or(glm::vec3(0.0f)));
     } else if (word == "d") {
       if (trimmed(rest).starts_with("-halo")) nextMtlWord(rest);
       material.opacity = nextMtlNumber(rest);
@@ -92,6 +101,11 @@ class MtlReader {
         material.mask = std::move(texture);
       }
     }
+  }
+
+  /// Blender writes linear light, and most others sRGB: the format states neither.
+  glm::vec3 lightOf(const glm::vec3& color) const {
+    return linear_ ? glm::clamp(color, 0.0f, 1.0f) : linearColor(color);
   }
 
   /// Options, then a name, which may have blanks.
@@ -124,6 +138,7 @@ class MtlReader {
 
   std::filesystem::path mtl_, obj_;
   MtlFile file_;
+  bool linear_ = false;
 };
 
 /// Brings colours to linear light; negative ones stay. Clears them if they are none, as normals
@@ -205,7 +220,9 @@ class ObjMesh {
                       (instead ? "those of " + shown(own.filename().string()) : "shown in grey"));
     }
     for (const auto& file : files) {
-      for (MtlMaterial& material : readMtl(file, path_).materials) {
+      MtlFile mtl = readMtl(file, path_);
+      for (const std::string& text : mtl.remarks) builder_.remark(text);
+      for (MtlMaterial& material : mtl.materials) {
         std::string name = material.name;
         materials_.insert_or_assign(std::move(name), std::move(material));
       }
@@ -271,9 +288,9 @@ class ObjMesh {
       return read;
     }
     MeshMaterial& material = read.material;
-    if (from->diffuse) material.factor = linearColor(*from->diffuse);
+    if (from->diffuse) material.factor = *from->diffuse;
     const bool is_black = from->diffuse && material.factor == glm::vec3(0.0f);
-    const bool glows = builder_.takeLight(is_black, linearColor(from->emitted), material);
+    const bool glows = builder_.takeLight(is_black, from->emitted, material);
     const float transparency = from->transparency.value_or(0.0f);
     const float opacity = from->opacity.value_or(1.0f - transparency);
     material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;

@@ -197,7 +197,15 @@ class PlyMesh {
     builder_.remarkCount(untextured_, "face", "with a texture that the file does not have");
     const bool blend = builder_.useAlpha();
     const auto plain = static_cast<std::uint32_t>(texture_names_.size());
-    return builder_.finish({.kind = SceneKind::ply_mesh}, [&](std::uint32_t number) {
+    SceneFacts facts{.kind = SceneKind::ply_mesh};
+    if (std::ranges::any_of(header_.comments, [](const std::string& comment) {
+          return comment.starts_with("Created by Blender") ||
+                 comment.starts_with("Created in Blender");
+        })) {
+      facts.format = "PLY mesh of Blender";
+      facts.up_axis = 2;
+    }
+    return builder_.finish(std::move(facts), [&](std::uint32_t number) {
       ReadMaterial read{.material = {.factor = kPlainSurface}};
       if (number > plain) read = face_colors_.read(number - plain - 1);
       if (number < plain) read = textured(texture_names_[number]);

@@ -318,6 +318,27 @@ TEST_F(MeshMaterials, WhatIsNotShownAsItIsIsNamed) {
   EXPECT_TRUE(remarks(readMesh(write("n.obj", normals)), "no colours (-1.000"));
 }
 
+TEST_F(MeshMaterials, ColoursOfAnMtlThatAreNoneAreNamed) {
+  const auto read = [&](const std::string& color) {
+    write("m.mtl", "newmtl m\n" + color + "\n");
+    return readMesh(write("m.obj", "mtllib m.mtl\n" + kTriangle));
+  };
+  EXPECT_TRUE(remarks(read("Kd 200 100 0"), "m.mtl has Kd \"200 100 0\": write red, green"));
+  const MeshFile spectral = read("Kd spectral a.rfl 1");
+  EXPECT_TRUE(remarks(spectral, "m.mtl has Kd \"spectral a.rfl 1\""));
+  EXPECT_GT(colorOf(spectral).y, 0.05f);
+  EXPECT_TRUE(read("Kd 1.0000001 0.5").mesh.remarks.empty());
+}
+
+TEST_F(MeshMaterials, ColoursOfAnMtlOfBlenderAreLinear) {
+  const auto red = [&](const std::string& comment) {
+    write("m.mtl", comment + "\nnewmtl m\nKd 0.5 0.2 0.2\n");
+    return colorOf(readMesh(write("m.obj", "mtllib m.mtl\n" + kTriangle))).x;
+  };
+  EXPECT_FLOAT_EQ(red("# Blender 3.4.1 MTL File: 'None'"), 0.5f);
+  EXPECT_FLOAT_EQ(red("# Wavefront material file"), linearFromSrgb(0.5f));
+}
+
 TEST_F(MeshMaterials, GlassOfAGltfIsNamed) {
   const auto glass = [&](const std::string& mode) {
     return readMesh(write(

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "render/image/srgb.h"
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/mesh/sample_mesh.h"
@@ -135,9 +136,14 @@ TEST_F(Facts, OfAnFbxHavePhysicallyBasedColours) {
   GTEST_SKIP() << "built without Assimp";
 #endif
   cv::imwrite((scratch.path() / "t.png").string(), cv::Mat(4, 4, CV_8UC3, cv::Scalar(255, 0, 0)));
-  const auto colorOf = [&](const std::string& property, const std::string& map) {
+  const auto colorOf = [&](const std::string& property, const std::string& map,
+                           const std::string& creator = "") {
     std::string text = kQuadFbx, material = kMaterialFbx;
     material.replace(material.find("COLOR"), 5, property);
+    if (!creator.empty()) {
+      material.replace(material.find("1,0,0"), 5, "0.5,0,0");
+      text.insert(text.find("\tFBXVersion"), "\tCreator: \"" + creator + "\"\n");
+    }
     text.insert(text.find("\t}\n\tModel: 200"), kMaterialLayerFbx);
     text.insert(text.find("\tModel: 200"), material);
     text.insert(text.find("\tC: \"OO\",200,0"),
@@ -148,6 +154,23 @@ TEST_F(Facts, OfAnFbxHavePhysicallyBasedColours) {
   EXPECT_EQ(colorOf("Maya|baseColor", "Maya|baseColor"), glm::vec3(0, 0, 1));
   EXPECT_EQ(colorOf("3dsMax|Parameters|base_color", "3dsMax|Parameters|base_color_map"),
             glm::vec3(0, 0, 1));
+  constexpr const char* kBlender = "Blender (stable FBX IO) - 3.4.1 - 4.37.1";
+  EXPECT_FLOAT_EQ(colorOf("DiffuseColor", "Bump", "Maya").x, linearFromSrgb(0.5f));
+  EXPECT_FLOAT_EQ(colorOf("DiffuseColor", "Bump", kBlender).x, 0.5f);
+}
+
+TEST_F(Facts, OfAPlyOfBlenderHaveItsUpAxis) {
+  const auto up = [&](const std::string& comment) {
+    return factsIn(scratch.write("m.ply", "ply\nformat ascii 1.0\ncomment " + comment +
+                                              "\nelement vertex 3\nproperty float x\n"
+                                              "property float y\nproperty float z\nelement face 1\n"
+                                              "property list uchar int vertex_indices\nend_header\n"
+                                              "0 0 0\n1 0 0\n0 1 1\n3 0 1 2\n"))
+        .up_axis;
+  };
+  EXPECT_EQ(up("Created by Blender 3.4.1 - www.blender.org"), 2);
+  EXPECT_EQ(up("Created in Blender version 4.2.0"), 2);
+  EXPECT_EQ(up("VCGLIB generated"), std::nullopt);
 }
 
 constexpr const char* kSkinFbx = R"(Deformer: 500, "Deformer::", "Skin" {
