@@ -149,8 +149,9 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   };
   TextColumns columns;
   columns.count = names.size();
-  columns.position = {columnOf({"x", "px_world"}), columnOf({"y", "py_world"}),
-                      columnOf({"z", "pz_world"})};
+  columns.position = {columnOf({"x", "px_world", "easting"}),
+                      columnOf({"y", "py_world", "northing"}),
+                      columnOf({"z", "pz_world", "elevation", "height"})};
   if (std::ranges::count(columns.position, kNone) > 0) return std::nullopt;
   const auto unitOf = [&](int column) {
     return metresOf(names[static_cast<std::size_t>(column)].unit);
@@ -294,6 +295,18 @@ class TextPointsReader {
     takeRow();
   }
 
+  /// Whether a line without names has row and column of a scanner, x y z with decimals, then a
+  /// colour or an intensity of whole numbers.
+  bool isGridOfFaro() const {
+    const bool fits = words_.size() == 8 || (words_.size() == 6 && row_[5] > 1.0);
+    if (!fits || counted_) return false;
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      const bool whole = words_[i].find_first_not_of("0123456789") == std::string_view::npos;
+      if (whole != (i < 2 || i > 4)) return false;
+    }
+    return true;
+  }
+
   void takeRow() {
     row_.clear();
     for (const std::string_view word : words_) {
@@ -310,10 +323,18 @@ class TextPointsReader {
                          "has 5 columns without names: put a line of names before the points, e.g. "
                          "x y z intensity class");
       }
-      columns_ = columnsOf(row_.size(), counted_.has_value());
-      if (const std::size_t used = row_.size() < 9 ? 6 : 9; row_.size() > 7 && row_.size() > used) {
-        points_.remarks.push_back("the columns after the first " + std::to_string(used) +
-                                  " have no names: left out");
+      if (isGridOfFaro()) {
+        name(columnsNamed(row_.size() == 8 ? "row column x y z r g b" : "row column x y z i"));
+        points_.remarks.emplace_back(
+            "its first two columns are taken for rows and columns of the scanner, as FARO writes "
+            "them; if not, put a line of names before the points");
+      } else {
+        columns_ = columnsOf(row_.size(), counted_.has_value());
+        const std::size_t used = row_.size() < 9 ? 6 : 9;
+        if (row_.size() > 7 && row_.size() > used) {
+          points_.remarks.push_back("the columns after the first " + std::to_string(used) +
+                                    " have no names: left out");
+        }
       }
     }
     if (row_.size() != columns_->count) {
@@ -433,9 +454,10 @@ class TextPointsReader {
 
   void takeColors(Triples& triple) {
     if (triple.negative || triple.max > 65535.0f) {
-      throw InputError(input_.name(),
-                       "has numbers after its positions that are neither colours (0 to 1, 0 to 255 "
-                       "or 0 to 65535) nor normals (of length 1)");
+      throw InputError(
+          input_.name(),
+          "has numbers after its positions that are neither colours (0 to 1, 0 to 255 "
+          "or 0 to 65535) nor normals (of length 1): put a line of names before the points");
     }
     const float white = triple.max <= 1.0f ? 1.0f : triple.max <= 255.0f ? 255.0f : 65535.0f;
     for (glm::vec3& c : triple.values) c = linearColor(c / white);

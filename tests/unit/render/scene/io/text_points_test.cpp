@@ -94,6 +94,26 @@ TEST_F(TextPoints, ALineOfNamesSaysWhatTheColumnsAre) {
   EXPECT_EQ(turned.position_m[0], glm::vec3(4, 3, 2));
 }
 
+TEST_F(TextPoints, RowAndColumnOfAScannerAreNoPosition) {
+  const PointCloud faro = read("0 7 1.5 -2.0 0.25 255 0 0\n1 7 1.5 -2.0 0.5 0 0 0\n");
+  EXPECT_EQ(faro.position_m[0], glm::vec3(1.5f, -2.0f, 0.25f));
+  EXPECT_FLOAT_EQ(faro.color[0].x, 1.0f);
+  ASSERT_EQ(faro.remarks.size(), 1u);
+  EXPECT_TRUE(has(faro.remarks[0], "as FARO writes them"));
+  EXPECT_EQ(read("0 7 1.5 -2.0 0.25 128\n").position_m[0], glm::vec3(1.5f, -2.0f, 0.25f));
+  for (const char* other : {"1 2 0.5 0.25 0.5 1\n", "1 2 3 0.25 0.5 9.5\n", "1 2 3 9 9 9 4 5\n"}) {
+    EXPECT_EQ(read(other).position_m[0].x, 1.0f) << other;
+  }
+}
+
+TEST_F(TextPoints, PlacesOfASurveyHaveTheirNames) {
+  for (const char* names :
+       {"Easting,Northing,Height", "northing_,Easting [m],Northing [m],Elevation"}) {
+    const std::string row = names[0] == 'E' ? "1,2,3\n" : "9,1,2,3\n";
+    EXPECT_EQ(read(names + ("\n" + row), "p.csv").position_m[0], glm::vec3(1, 2, 3)) << names;
+  }
+}
+
 TEST_F(TextPoints, MapCoordinatesKeepTheirMillimetres) {
   const PointCloud points = read("482123.001 5412345.001 310\n482123.002 5412345.001 310\n");
   EXPECT_NEAR(points.position_m[1].x - points.position_m[0].x, 0.001f, 1e-4f);
