@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -131,7 +132,8 @@ std::vector<BatchRecording> recordingsOf(const ReplayOptions& options, const Stu
   return recordings;
 }
 
-/// @throws InputError once all are done, if a recording has no run
+/// @throws once all are done, if a recording has no run: InputError if its input was bad, else
+/// std::runtime_error
 void runBatch(const ReplayOptions& options, StudyAsked&& asked,
               const std::vector<BatchRecording>& recordings, const std::string& command_line,
               unsigned threads) {
@@ -147,9 +149,11 @@ void runBatch(const ReplayOptions& options, StudyAsked&& asked,
   const auto results = replayAll(recordings, options.out, command_line, threads, scene, guard);
   saveStudy(options, asked, guard);
   std::string failed;
+  bool bad_input = true;
   for (const BatchResult& result : results) {
     if (!result.problem.empty()) {
       failed += (failed.empty() ? "" : ", ") + result.recording.trace;
+      bad_input = bad_input && result.bad_input;
     } else if (options.json) {
       std::puts(summaryJson(result.run.summary).c_str());
     }
@@ -159,9 +163,10 @@ void runBatch(const ReplayOptions& options, StudyAsked&& asked,
     std::printf("%zu recordings: %s\n", results.size(),
                 visible((out / "index.html").string()).c_str());
   }
-  if (!failed.empty()) {
-    throw InputError("without a run", failed + " (" + (out / "recordings.tsv").string() + ")");
-  }
+  if (failed.empty()) return;
+  failed = "without a run: " + failed + " (" + (out / "recordings.tsv").string() + ")";
+  if (bad_input) throw InputError(failed);
+  throw std::runtime_error(failed);
 }
 
 void runReplay(ReplayOptions options, const std::string& command_line) {

@@ -149,6 +149,7 @@ std::vector<BatchResult> replayAll(const std::vector<BatchRecording>& recordings
       result.run = replay(each.study, out / each.name, command, threads, scene, guard);
     } catch (const std::exception& error) {
       result.problem = error.what();
+      result.bad_input = dynamic_cast<const InputError*>(&error) != nullptr;
       say(result.problem);
     }
     results.push_back(std::move(result));

@@ -35,7 +35,8 @@ std::vector<std::filesystem::path> batchFiles(const std::vector<BatchRecording>&
 struct BatchResult {
   BatchRecording recording;
   RunResult run{};
-  std::string problem{};  ///< why there is no run; empty: there is one
+  std::string problem{};   ///< why there is no run; empty: there is one
+  bool bad_input = false;  ///< which is the problem
 };
 
 /// Replays each recording into a folder of its own, then writes index.html and recordings.tsv. A

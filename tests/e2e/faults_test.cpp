@@ -84,6 +84,18 @@ TEST_F(Faults, AFullDiskIsReportedAndLeavesNothing) {
   }
 }
 
+TEST_F(Faults, AFullDiskIsNoBadInputOfABatch) {
+  folder.write("other.tsv", folder.read("trace.tsv"));
+  ASSERT_EQ(runFoci(replayTo("whole"), folder.path()).exit_code, 0);
+  const std::vector<std::string> batch = {"replay",    "study.toml", "--threads", "1",  "--trace",
+                                          "trace.tsv", "other.tsv",  "--out",     "out"};
+  const Outcome outcome = runFociUnder(
+      {.max_file_bytes = folder.read("whole/report.html").size() / 2}, batch, folder.path());
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("without a run: trace.tsv, other.tsv"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(Faults, AFolderWithoutRightsIsReported) {
   fs::permissions(folder.path(), fs::perms(0755));
   fs::create_directory(folder.path() / "shut");
