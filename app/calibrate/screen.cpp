@@ -98,8 +98,9 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
     }
     const BlindSpotDistance found = distanceByBlindSpot(runs);
     screen.distance_m = found.distance_m;
-    calibration.distance_from = printed("blind spot, %zu runs, %zu refused, +-%.0f mm", runs.size(),
-                                        found.refused.size(), 1000.0 * found.sd_m);
+    calibration.distance_from =
+        printed("blind spot, %s, %zu refused, +-%.0f mm", counted(runs.size(), "run").c_str(),
+                found.refused.size(), 1000.0 * found.sd_m);
   } else if (options.face_px) {
     if (!options.face_reference_px || !options.face_reference_m) {
       throw InputError("--face-px", "needs --face-reference-px and --face-reference-m");

@@ -179,8 +179,9 @@ void chartAndReport(const ChartOptions& options, const std::string& name, Paths 
       std::printf("%s: exponent %s\n", nameOf(one).c_str(), growthText(one.time, 1.0).c_str());
     }
   }
-  std::printf("%zu cells measured, %zu already complete; %.0f s; page: %s\n", measured.computed,
-              measured.kept, seconds, visible((out / (name + ".html")).string()).c_str());
+  std::printf("%s measured, %zu already complete; %.0f s; page: %s\n",
+              counted(measured.computed, "cell").c_str(), measured.kept, seconds,
+              visible((out / (name + ".html")).string()).c_str());
 }
 
 /// The options that choose the scenes, as they are given again.

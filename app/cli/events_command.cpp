@@ -301,9 +301,9 @@ void scoreEvents(const EventsOptions& options) {
     return;
   }
   if (!options.compare) {
-    std::printf("%zu recordings, %.0f samples, detector %s, %s\n", options.traces.size(),
-                scores.samples, labelOf(detectors[0]).c_str(),
-                options.online ? "online" : "offline");
+    std::printf("%s, %.0f samples, detector %s, %s\n",
+                counted(options.traces.size(), "recording").c_str(), scores.samples,
+                labelOf(detectors[0]).c_str(), options.online ? "online" : "offline");
   }
   std::printf("%s", text.c_str());
 }

@@ -63,7 +63,7 @@ std::string latencyText(const LiveSummary& summary) {
   const auto line = [](const char* what, const Durations& part) {
     return "\n  " + std::string(what) + medianText(part);
   };
-  return "\ngaze to screen, " + std::to_string(summary.sample_to_swap.count()) + " frames:" +
+  return "\ngaze to screen, " + counted(summary.sample_to_swap.count(), "frame") + ":" +
          line("tracker, from the sample to the start of rendering: ", summary.sample_to_render) +
          line("foci, rendering:                                    ", summary.render) +
          line("display, from there to the swap of the buffers:     ", summary.render_to_swap) +
@@ -81,8 +81,7 @@ std::string recordText(const std::filesystem::path& folder) {
 
 std::string liveSummaryText(const LiveSummary& summary) {
   std::string text =
-      std::to_string(summary.frames) + " frames, the first after " +
-      decimal(summary.first_frame_s, 2) +
+      counted(summary.frames, "frame") + ", the first after " + decimal(summary.first_frame_s, 2) +
       " s; refreshes that showed an older frame: " + std::to_string(summary.repeated) +
       ", frames never shown: " + std::to_string(summary.dropped) + "\n" +
       (summary.sample_to_swap.count() == 0
@@ -95,7 +94,7 @@ std::string liveSummaryText(const LiveSummary& summary) {
   if (const Landings& landings = summary.landings; landings.count() > 0) {
     text +=
         "\nfull quality after " + std::to_string(landings.toFull().count()) + " of " +
-        std::to_string(landings.count()) + " saccades, " +
+        counted(landings.count(), "saccade") + ", " +
         decimal(landings.toFull().quantile_ms(0.5), 0) +
         " ms after the landing (median; 95 %: " + decimal(landings.toFull().quantile_ms(0.95), 0) +
         " ms); in " + decimal(100.0 * landings.fullShare(), 0) + " % of all frames";

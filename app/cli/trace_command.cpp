@@ -171,8 +171,7 @@ void printFacts(const TraceHeader& header, const TraceSummary& summary, bool jso
 
 void requireSamples(const Options& options, const TraceSummary& summary) {
   if (summary.samples() < 2) {
-    throw InputError(options.file,
-                     std::to_string(summary.samples()) + " samples: expected at least 2");
+    throw InputError(options.file, counted(summary.samples(), "sample") + ": expected at least 2");
   }
 }
 

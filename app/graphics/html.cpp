@@ -92,4 +92,8 @@ std::string numberCell(const std::string& value, const std::string& what) {
   return "<div><b>" + value + "</b><span>" + what + "</span></div>\n";
 }
 
+std::string numberCell(std::size_t count, const std::string& one) {
+  return numberCell(std::to_string(count), one + (count == 1 ? "" : "s"));
+}
+
 }  // namespace foci

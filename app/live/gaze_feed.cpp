@@ -150,8 +150,7 @@ std::string GazeFeed::push(std::string_view text) {
     const std::lock_guard lock(mutex_);
     if (waiting_.size() >= kMaxWaiting) {
       logLine(watch_.arrive(now_s, {}, samples.size(), kOverflow));
-      return "error gaze: " + std::to_string(samples.size()) + " samples dropped, because " +
-             kOverflow;
+      return "error gaze: " + counted(samples.size(), "sample") + " dropped, because " + kOverflow;
     }
   }
   const std::size_t dropped = source_.pushed->push(samples, now_s);
@@ -191,10 +190,6 @@ namespace {
 constexpr double kUnused_s = 1.0;        // which is said
 constexpr double kQuiet_s = 10.0;        // of use, before the log has another line
 constexpr std::size_t kMaxTimes = 1000;  // that are listed; the last then goes on
-
-std::string countOf(std::size_t count, const char* what) {
-  return std::to_string(count) + (count == 1 ? " sample " : " samples ") + what;
-}
 
 }  // namespace
 
@@ -246,12 +241,13 @@ std::string GazeWatch::look(double now_s, bool uses_gaze) {
 std::string GazeWatch::reasons(double now_s) const {
   std::string text;
   const auto add = [&](const std::string& reason) { text += (text.empty() ? "" : "; ") + reason; };
-  if (dropped_ > 0) add(countOf(dropped_, "dropped, because ") + why_);
-  if (pointless_ > 0) add(countOf(pointless_, "without a gaze point"));
+  if (dropped_ > 0) add(counted(dropped_, "sample") + " dropped, because " + why_);
+  if (pointless_ > 0) add(counted(pointless_, "sample") + " without a gaze point");
   if (pointed_ > 0 && looked_s_ <= *since_s_) {
     add("no frame for " + decimal(now_s - looked_s_, 0) + " s");
   } else if (pointed_ > 0) {
-    add(countOf(pointed_, "up to ") + decimal(oldest_s_, 1) + " s old, or too far apart");
+    add(counted(pointed_, "sample") + " up to " + decimal(oldest_s_, 1) +
+        " s old, or too far apart");
   }
   return text;
 }

@@ -157,7 +157,7 @@ FrameSpan within(const FramesAsked& asked, std::size_t frames) {
   if (parts > 0) {
     if (parts > frames) {
       throw InputError("--frames " + std::to_string(part) + "/" + std::to_string(parts),
-                       "the run has " + std::to_string(frames) + " frames: fewer than parts");
+                       "the run has " + counted(frames, "frame") + ": fewer than parts");
     }
     return {(part - 1) * frames / parts, part * frames / parts};
   }

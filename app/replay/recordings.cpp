@@ -177,9 +177,10 @@ void writeCard(std::ostream& out, const BatchResult& result) {
       << "/report.html\"><img alt=\"frame at " << decimal(result.run.image.time_s, 2)
       << " s\" src=\"" << imageUri(result.run.image.jpeg) << "\"></a><figcaption><a href=\""
       << hrefOf(result.recording.name) << "/report.html\">" << escaped(result.recording.name)
-      << "</a><br>" << decimal(run.duration_s, 1) << " s &middot; " << run.fixations
-      << " fixations &middot; " << run.saccades << " saccades &middot; "
-      << decimal(100.0 * run.gaze_valid, 1) << "&thinsp;% valid</figcaption></figure>\n";
+      << "</a><br>" << decimal(run.duration_s, 1) << " s &middot; "
+      << counted(run.fixations, "fixation") << " &middot; " << counted(run.saccades, "saccade")
+      << " &middot; " << decimal(100.0 * run.gaze_valid, 1)
+      << "&thinsp;% valid</figcaption></figure>\n";
 }
 
 void writeProblems(std::ostream& out, const std::vector<BatchResult>& results) {
@@ -227,11 +228,10 @@ std::string recordingsPage(const Study& study, const std::vector<BatchResult>& r
       << "</h1>\n<p class=\"quiet\">foci " FOCI_VERSION " &middot; study "
       << escaped(study.file.string()) << " &middot; the same figures in recordings.tsv</p>\n"
       << "<div class=\"numbers\">\n"
-      << numberCell(std::to_string(results.size() - failed), "recordings with a run")
+      << numberCell(results.size() - failed, "run")
       << numberCell(std::to_string(failed), "without a run")
       << numberCell(decimal(duration_s, 1) + " s", "of all runs")
-      << numberCell(std::to_string(fixations), "fixations")
-      << numberCell(std::to_string(saccades), "saccades") << "</div>\n";
+      << numberCell(fixations, "fixation") << numberCell(saccades, "saccade") << "</div>\n";
   if (failed > 0) writeProblems(out, results);
   out << "<h2>Runs</h2>\n<p class=\"quiet\">A frame from the middle of each run, at which a "
          "fixation had lasted longest. It links to the report.</p>\n<div class=\"sheet\">\n";

@@ -101,9 +101,9 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   html += "<div class=\"numbers\">\n";
   html += numberCell(
       decimal(summary.duration_s, 2) + " s",
-      std::to_string(summary.frames) + " frames, " + decimal(study.output.fps, 0) + " per second");
-  html += numberCell(std::to_string(summary.fixations), "fixations");
-  html += numberCell(std::to_string(summary.saccades), "saccades");
+      counted(summary.frames, "frame") + ", " + decimal(study.output.fps, 0) + " per second");
+  html += numberCell(summary.fixations, "fixation");
+  html += numberCell(summary.saccades, "saccade");
   html += numberCell(percent(1.0 - summary.gaze_valid), "of the gaze samples have no gaze");
   html += pupilCell(facts);
   html +=

@@ -396,7 +396,7 @@ class WavefrontTable {
       Row row = rows_[r];
       if (unit_column == static_cast<int>(row.cells.size())) row.cells.emplace_back();  // blank
       if (row.cells.size() != head.cells.size()) {
-        fail(row.line, std::to_string(row.cells.size()) + " cells: expected " +
+        fail(row.line, counted(row.cells.size(), "cell") + ": expected " +
                            std::to_string(head.cells.size()) + ", as in the heading");
       }
       const int side = eye_column < 0 ? 0 : sideOf(row, row.at(eye_column));
@@ -512,8 +512,8 @@ class WavefrontTable {
       const int most = std::max({columns.n, columns.m, columns.index, columns.name, columns.value,
                                  columns.right, columns.left, columns.eye});
       if (static_cast<int>(row.cells.size()) <= most) {
-        fail(row.line, std::to_string(row.cells.size()) + " cells: expected at least " +
-                           std::to_string(most + 1));
+        fail(row.line,
+             counted(row.cells.size(), "cell") + ": expected at least " + std::to_string(most + 1));
       }
       const int term = termOf(row, columns);
       const int side = columns.eye < 0 ? 0 : sideOf(row, row.at(columns.eye));

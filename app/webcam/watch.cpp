@@ -184,13 +184,13 @@ void printSummary(const WatchOptions& options, Totals totals, bool by_networks) 
   // A table without a file has standard output.
   std::FILE* const to = options.table && options.out.empty() ? stderr : stdout;
   std::fprintf(to,
-               "%zu frames by %s: a face in %.1f %%, a blink in %.1f %%, %.2f irises a frame; %.1f "
+               "%s by %s: a face in %.1f %%, a blink in %.1f %%, %.2f irises a frame; %.1f "
                "ms a frame, 95 %% below %.1f ms\n",
-               totals.frames, by_networks ? "networks" : "cascades", 100.0 * share(totals.faces),
-               100.0 * share(totals.blinks), share(totals.irises), quantile(totals.ms, 0.5),
-               quantile(totals.ms, 0.95));
+               counted(totals.frames, "frame").c_str(), by_networks ? "networks" : "cascades",
+               100.0 * share(totals.faces), 100.0 * share(totals.blinks), share(totals.irises),
+               quantile(totals.ms, 0.5), quantile(totals.ms, 0.95));
   for (const auto& [count, text] : totals.problems.list()) {
-    std::fprintf(to, "%zu frames: %s\n", count, text.c_str());
+    std::fprintf(to, "%s: %s\n", counted(count, "frame").c_str(), text.c_str());
   }
 }
 

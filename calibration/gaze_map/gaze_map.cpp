@@ -103,8 +103,7 @@ GazeEstimate estimateGaze(const GazeMap& map, const glm::dvec2& gaze) {
 GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
                      const glm::dvec2& target) {
   if (gaze.size() < kMinDriftSamples) {
-    throw InputError("drift correction",
-                     std::to_string(gaze.size()) + " samples: expected 5 or more");
+    throw InputError("drift correction", counted(gaze.size(), "sample") + ": expected 5 or more");
   }
   const std::vector<glm::dvec2> mapped =
       transformed(gaze, [&](const glm::dvec2& sample) { return estimateGaze(map, sample).point; });

@@ -143,8 +143,8 @@ TraceHeader readAria(const RecordingFile& file, const Screen&, const TakeSample&
   header.world_y_up = false;
   header.assumed.push_back(trajectory.assumed());
   if (lost > 0) {
-    header.warnings.push_back(std::to_string(lost) +
-                              " samples lie beside the trajectory, so their gaze is left out");
+    header.warnings.push_back(counted(lost, "sample") +
+                              " beside the trajectory, so without their gaze");
   }
   return header;
 }

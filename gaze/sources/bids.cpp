@@ -291,9 +291,9 @@ TraceHeader readBothEyes(const fs::path& file, const BidsMetadata& metadata, con
   header.assumed.push_back("the other eye: " + other.filename().string());
   constexpr double kMany = 0.05;
   if (static_cast<double>(alone) > kMany * static_cast<double>(samples)) {
-    header.warnings.push_back(std::to_string(alone) +
-                              " samples have no sample of the other eye at their time: are the "
-                              "clocks of both files the same?");
+    header.warnings.push_back(counted(alone, "sample") +
+                              " without one of the other eye at the same time: are the clocks of "
+                              "both files the same?");
   }
   return header;
 }

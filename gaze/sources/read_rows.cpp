@@ -472,9 +472,9 @@ class RowReader {
     }
     const RowGroups& groups = layout_.groups;
     if (foreign_ > 0) {
-      header.assumed.push_back(std::to_string(foreign_) +
-                               " rows between the samples have no gaze, as of a mouse, a sensor or "
-                               "an event: they are skipped");
+      header.assumed.push_back(counted(foreign_, "row") +
+                               " without gaze between the samples, as of a mouse, a sensor or an "
+                               "event: skipped");
     }
     if (groups.eye) {
       header.assumed.push_back(

@@ -330,7 +330,7 @@ bool NamedTable::next() {
     if (cut_) throw *cut_;
     const std::size_t fields = rows_->sizeUpToText(columns);
     if (fields == columns) return any_ = true;
-    cut_ = error(std::to_string(fields) + " fields: expected " + std::to_string(columns));
+    cut_ = error(counted(fields, "field") + ": expected " + std::to_string(columns));
     if (!may_be_cut_ || !any_ || fields > columns) throw *cut_;
   }
   commas_.example();

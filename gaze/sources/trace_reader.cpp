@@ -193,7 +193,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   static_cast<TraceFacts&>(trace) = header;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {
-    throw InputError(name, std::to_string(trace.samples.size()) + " samples: expected at least 2");
+    throw InputError(name, counted(trace.samples.size(), "sample") + ": expected at least 2");
   }
   if (std::ranges::none_of(trace.samples,
                            [](const GazeSample& sample) { return sample.point_px.has_value(); })) {

@@ -308,7 +308,7 @@ TEST_F(Live, KeepsEverySampleThatItAnswersWithOk) {
     const std::string answer = feed.push(samples);
     (answer.starts_with("ok 3000") ? kept : dropped) += kAtOnce;
     if (!answer.starts_with("ok 3000")) {
-      EXPECT_TRUE(answer.starts_with("error gaze: 3000 samples dropped")) << answer;
+      EXPECT_TRUE(answer.starts_with("error gaze: 3,000 samples dropped")) << answer;
     }
     feed.waitForPoll();
   }

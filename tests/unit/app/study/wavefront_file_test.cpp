@@ -180,7 +180,7 @@ TEST(WavefrontFile, RefusesWhatCanBeMisread) {
             "eye.csv:3: a second row of one eye: expected one row for each eye");
   EXPECT_EQ(refusal("j,um,pupil_mm\n4,0.5,6\n8,0.5,5\n"),
             "eye.csv:3: a second pupil: expected one for the table");
-  EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4\n"), "eye.csv:3: 1 cells: expected at least 2");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4\n"), "eye.csv:3: 1 cell: expected at least 2");
   EXPECT_EQ(refusal(""), "eye.csv: no coefficients: expected a table of Zernike coefficients");
 }
 

@@ -35,7 +35,7 @@ TEST_F(NamedTables, ARowOfAnotherNumberOfFieldsIsRefusedByLine) {
     names("object\tdwell_s\nwall\t1\nfloor\n", true);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("t.tsv:3: 1 fields: expected 2"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("t.tsv:3: 1 field: expected 2"), std::string::npos)
         << error.what();
   }
 }

@@ -162,7 +162,7 @@ TEST(ReadTable, RefusesMissingFilesColumnsAndPositions) {
   expectRefusal("", "empty");
   expectRefusal("\n\n", "empty");
   expectRefusal("time,x,y\n", "0 samples");
-  expectRefusal("time,x,y\n0,1,1\n", "1 samples");
+  expectRefusal("time,x,y\n0,1,1\n", "1 sample:");
   expectRefusal("time,x,y\n0,,\n0.01,NaN,nan\n", "no sample has a position");
   expectRefusal(
       "time,xx,y\n0,1,1\n",
