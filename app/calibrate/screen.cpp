@@ -86,8 +86,10 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
   Screen& screen = calibration.screen;
   const double px_per_m = screen.size_px.x / screen.size_m.x;
   if (options.distance_m) {
-    if (!(*options.distance_m >= 0.1 && *options.distance_m <= 10.0)) {
-      throw InputError("--distance-m", exactText(*options.distance_m) + ": expected 0.1 to 10");
+    if (!(*options.distance_m >= kNearestScreen_m && *options.distance_m <= kFarthestScreen_m)) {
+      throw InputError(
+          "--distance-m " + exactText(*options.distance_m),
+          "expected " + exactText(kNearestScreen_m) + " to " + exactText(kFarthestScreen_m) + " m");
     }
     screen.distance_m = *options.distance_m;
     calibration.distance_from = "by hand";

@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/screen/screen_size.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {
@@ -186,7 +187,8 @@ void ScreenWindow::runBlindSpot() {
 
 void ScreenWindow::enterDistance() {
   say("Set the distance from your eyes to the screen: left and right arrow.   Space: done.");
-  found_.screen.distance_m = std::clamp(found_.screen.distance_m + 0.005 * arrows(), 0.1, 10.0);
+  found_.screen.distance_m =
+      std::clamp(found_.screen.distance_m + 0.005 * arrows(), kNearestScreen_m, kFarthestScreen_m);
   say(printed("%.1f cm", 100.0 * found_.screen.distance_m));
   if (Window::isPressed(GLFW_KEY_SPACE)) {
     found_.distance_from = "by hand";

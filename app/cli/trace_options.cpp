@@ -5,6 +5,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/recording_formats.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {
@@ -118,7 +119,7 @@ Screen screenOf(const ScreenOptions& options) {
   }
   if (!options.distance_m.empty()) {
     const auto distance_m = parseNumber(options.distance_m);
-    if (!distance_m || *distance_m < 0.01 || *distance_m > 20) {
+    if (!distance_m || *distance_m < kNearestScreen_m || *distance_m > kFarthestScreen_m) {
       throw InputError("--distance-m " + options.distance_m, "expected 0.01 to 20 m");
     }
     screen.distance_m = *distance_m;

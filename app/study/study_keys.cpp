@@ -8,6 +8,7 @@
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "gaze/sources/trace_doubts.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -211,7 +212,7 @@ const std::vector<Key<Study>>& studyKeys() {
                "a calibrated screen (foci calibrate screen, PsychoPy), instead of sizes"),
       FOCI_KEY(screen.size_px, "width and height, px", {16, 16384}),
       FOCI_KEY(screen.size_m, "width and height of the visible area, m", {0.01, 20}),
-      FOCI_KEY(screen.distance_m, "eye to screen, m", {0.01, 100}),
+      FOCI_KEY(screen.distance_m, "eye to screen, m", {kNearestScreen_m, kFarthestScreen_m}),
       FOCI_KEY(screen.gamma, "gamma of the display, light = code^gamma; absent: sRGB", {1, 4}),
       FOCI_KEY(screen.luminance_cd_m2, "luminance of white, cd/m^2", {1, 10000}),
       FOCI_KEY(screen.spectra,

@@ -8,6 +8,7 @@
 #include "base/transformed.h"
 #include "calibration/calibration_file.h"
 #include "calibration/location.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {
@@ -193,9 +194,10 @@ GazeMap readGazeMap(const std::filesystem::path& file) {
   map.sample_sd_deg = in.number("uncertainty.sample_sd_deg", 0.0, 180.0);
   map.sigma_radius = in.number("uncertainty.sigma_radius", 0.0, 100.0);
   if (map.frame.units == MapUnits::norm) {
-    map.frame.screen = {.size_px = in.size_px("screen.size_px"),
-                        .size_m = in.pair("screen.size_m", 0.01, 20.0),
-                        .distance_m = in.number("screen.distance_m", 0.01, 100.0)};
+    map.frame.screen = {
+        .size_px = in.size_px("screen.size_px"),
+        .size_m = in.pair("screen.size_m", 0.01, 20.0),
+        .distance_m = in.number("screen.distance_m", kNearestScreen_m, kFarthestScreen_m)};
   }
   in.refuseUnknownKeys();
   return map;

@@ -9,6 +9,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/calibration_file.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 
@@ -32,9 +33,10 @@ ScreenCalibration readScreen(const std::filesystem::path& file) {
   }
   CalibrationFile in(file);
   ScreenCalibration calibration;
-  calibration.screen = {.size_px = in.size_px("screen.size_px"),
-                        .size_m = in.pair("screen.size_m", 0.01, 20.0),
-                        .distance_m = in.number("screen.distance_m", 0.01, 100.0)};
+  calibration.screen = {
+      .size_px = in.size_px("screen.size_px"),
+      .size_m = in.pair("screen.size_m", 0.01, 20.0),
+      .distance_m = in.number("screen.distance_m", kNearestScreen_m, kFarthestScreen_m)};
   if (in.has("display.gamma")) {
     calibration.gamma = in.numberOrWord("display.gamma", "sRGB", 1.0, 4.0);
   }
@@ -157,7 +159,9 @@ ScreenCalibration readPsychoPyMonitor(const std::filesystem::path& file) {
     throw InputError(name, "sizePix = " + shown(size.dump()) + ": expected two of 16 to 16384 px");
   }
   const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
-  const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;
+  const double distance_m =
+      numberIn(fields, "distance", 100.0 * kNearestScreen_m, 100.0 * kFarthestScreen_m, name) /
+      100.0;
   ScreenCalibration monitor{.screen = {.size_px = size_px,
                                        .size_m = {width_m, width_m * size_px.y / size_px.x},
                                        .distance_m = distance_m},

@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {
@@ -112,7 +113,8 @@ Screen BidsMetadata::screen() const {
   screen.size_px = glm::ivec2(pairIn(stimulus, "ScreenResolution", 16, 16384));
   screen.size_m = pairIn(stimulus, "ScreenSize", 0.01, 20.0);
   const double distance_m = bidsNumber(stimulus, "ScreenDistance").value_or(0.0);
-  if (distance_m >= 0.01 && distance_m <= 20.0) screen.distance_m = distance_m;
+  if (distance_m >= kNearestScreen_m && distance_m <= kFarthestScreen_m)
+    screen.distance_m = distance_m;
   return screen;
 }
 

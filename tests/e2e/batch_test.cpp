@@ -327,6 +327,7 @@ TEST_F(Batch, RefusesBadKeysInOneLine) {
   expectRefused("observer.pupil_m=3", "did you mean observer.pupil_mm?");
   expectRefused("observer.pupil_mm=40", "expected 0");
   expectRefused("observer.pupil_mm=wide", "expected 0");
+  expectRefused("screen.distance_m=60", "expected 0.01 to 20");  // cm
   expectRefused("observer.pupil_mm", "expected KEY=VALUE");
   expectRefused("=3", "expected KEY=VALUE");
   expectRefused("output.marker=1", "true or false");
