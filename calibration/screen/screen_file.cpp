@@ -106,15 +106,15 @@ std::optional<double> meanGamma(const Json& values, const char* key, const std::
 }
 
 /// As PsychoPy's Monitor.getGamma: the third column of `gammaGrid` below its first row, which is of
-/// all guns together, unless all are 1; else `gamma`.
+/// all guns together and may stand alone, unless all are 1; else `gamma`.
 std::optional<double> gammaIn(const Json& fields, const std::string& file) {
   const auto stated = [](const Json& value) { return value.is_number() || value.is_array(); };
   const Json grid = unwrapped(fields.value("gammaGrid", Json()));
   if (stated(grid)) {
     Json guns = Json::array();
-    for (std::size_t row = 1; row < 4; ++row) {
-      const bool has =
-          grid.is_array() && grid.size() == 4 && grid[row].is_array() && grid[row].size() > 2;
+    const std::size_t rows = grid.is_array() ? grid.size() : 0;
+    for (std::size_t row = rows == 1 ? 0 : 1; row < (rows == 1 ? 1 : 4); ++row) {
+      const bool has = (rows == 1 || rows == 4) && grid[row].is_array() && grid[row].size() > 2;
       guns.push_back(has ? grid[row][2] : Json());
     }
     if (const auto gamma = meanGamma(guns, "gammaGrid", file)) return gamma;

@@ -131,6 +131,9 @@ TEST_F(CalibrationFiles, PsychoPyGivesGammaAsANumberAListOrAGrid) {
       "[0, 20, 2.3, NaN]]";
   EXPECT_DOUBLE_EQ(gamma(grid(measured)).value(), 2.1);
   EXPECT_DOUBLE_EQ(gamma(grid("[[0, 1, 1], [0, 1, 1], [0, 1, 1], [0, 1, 1]]")).value(), 1.8);
+  EXPECT_DOUBLE_EQ(gamma(grid("[[0, 120, 2.4, NaN]]")).value(), 2.4);
+  EXPECT_DOUBLE_EQ(gamma(grid("[[0, 1, 1]]")).value(), 1.8);
+  EXPECT_THROW(gamma(grid("[[0, 1]]")), InputError);
   EXPECT_THROW(gamma(grid("[[0, 1, 1], [0, 1, 1]]")), InputError);
   EXPECT_THROW(gamma(grid("[[0, 1, 1], [0, 1, 1], [0, 1, 1], [0, 1, 9]]")), InputError);
   for (const char* no_number : {R"("2.2")", R"({"__tuple__": [2.2, 2.2]})", "true"}) {
