@@ -43,7 +43,9 @@ class Roles {
         return "deg";
       case GazeUnits::normalised:
         return layout_.y_up ? "fractions of the screen from its lower left corner"
-                            : "fractions of the screen";
+               : given_.offset == glm::dvec2(0.0)
+                   ? "fractions of the screen from its upper left corner"
+                   : "fractions of the screen";
       case GazeUnits::relative:
         return "uncalibrated";
       case GazeUnits::px:

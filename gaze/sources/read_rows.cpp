@@ -407,6 +407,11 @@ class RowReader {
                                   "gaze.units");
       }
     }
+    if (layout_.isPlain() && layout_.units == GazeUnits::normalised && !layout_.y_up &&
+        given_.offset == glm::dvec2(0.0)) {
+      header.assumed.push_back(
+          "origin: upper left corner, y down (y up: gaze.scale = [1, -1], gaze.offset = [0, 1])");
+    }
     if (plain_.areAroundZero()) {
       header.warnings.push_back(
           "a quarter of the positions or more are negative, so they may be degrees, or pixels "

@@ -51,6 +51,22 @@ TEST(ScriptTable, PupilCoreIn2dHasEmptyDirections) {
   EXPECT_NE(refusal(header).find("0 samples"), std::string::npos) << refusal(header);
 }
 
+TEST(ScriptTable, FractionsWithoutAnOriginAreAssumedToCountDown) {
+  for (const std::string names : {"norm_x,norm_y", "x_norm,y_norm", "x [normalised],y [norm]"}) {
+    const ScratchFile file("t_s," + names + "\n0,0.5,0.25\n0.01,0.25,0.75\n");
+    const auto assumes = [&](const TraceColumns& columns) {
+      const TraceHeader read = streamTrace(file.path(), columns, {}, [](const GazeSample&) {});
+      EXPECT_EQ(read.columns[1].meaning.find("upper left") == std::string::npos,
+                columns.offset != glm::dvec2(0.0));
+      return std::ranges::any_of(read.assumed, [](const std::string& phrase) {
+        return phrase.starts_with("origin: upper left corner, y down");
+      });
+    };
+    EXPECT_TRUE(assumes({})) << names;
+    EXPECT_FALSE(assumes({.scale = {1.0, -1.0}, .offset = {0.0, 1.0}})) << names;
+  }
+}
+
 TEST(ScriptTable, MinutesAreSecondsAndPerCentNeedsAScale) {
   const auto first = [](const std::string& header) {
     const ScratchFile file(header + ",x_px,y_px\n60,1,2\n60.001,1,2\n");

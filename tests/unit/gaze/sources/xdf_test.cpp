@@ -163,8 +163,9 @@ TEST(Xdf, EachLifeOfATrackersClockHasItsOffset) {
     SCOPED_TRACE(start_s);
     const GazeTrace trace = readBytes(file + gazeChunk(stamps_s));
     expectTimes(trace, true_s);
-    ASSERT_FALSE(trace.assumed.empty());
-    EXPECT_NE(trace.assumed.front().find("was reset"), std::string::npos);
+    EXPECT_TRUE(std::ranges::any_of(trace.assumed, [](const std::string& phrase) {
+      return phrase.find("was reset") != std::string::npos;
+    }));
   }
 }
 
