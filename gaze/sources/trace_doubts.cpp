@@ -35,6 +35,8 @@ constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of o
 // A measured position has noise, so it does not repeat for longer.
 constexpr std::size_t kMinHeld = 4, kMinHeldWhole = 8;
 constexpr double kMinHeld_s = 0.06, kManyHeld = 0.002, kMoving = 0.8;
+// Positions of two people or eyes in turn: farther from the last than from the one before it.
+constexpr double kFar_px = 10.0, kFarther = 5.0, kManyAlternate = 0.3;
 constexpr double kLongGap_s = 60.0, kMaxBlink_s = 3.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
 constexpr double kMaxScreen_px = 8192.0;
@@ -245,7 +247,10 @@ void TraceDoubts::addPoint(const GazeSample& sample) {
     ++held_;
     longest_hold_s_ = std::max(longest_hold_s_, sample.time_s - run_s_);
   }
-  last_px_ = point_px;
+  const double moved_px = glm::distance(point_px, last_px_);
+  alternations_ +=
+      moved_px > kFar_px && moved_px > kFarther * glm::distance(point_px, before_last_px_);
+  before_last_px_ = std::exchange(last_px_, point_px);
   ++present_;
   kept_.add([&] {
     whole_px_ = whole_px_ && point_px == glm::floor(point_px);
@@ -375,6 +380,9 @@ void TraceDoubts::stateRepeats(Doubts& doubts) const {
              "each position comes " + significant(run) +
                  " times in a row, so the tracker was slower than the rows, and velocities are "
                  "wrong: keep one row of each (gaze.time names the column of the time)");
+  doubts.add(shareOf(alternations_, present_) > kManyAlternate,
+             "positions alternate between two places, as of two people or eyes in turn: if a "
+             "column tells them apart, choose one with gaze.rows");
   const double share = shareOf(held_, present_);
   doubts.add(share > kManyHeld && shareOf(changes_, present_ - held_) > kMoving,
              "positions stay the same to the last digit for up to " +

@@ -104,8 +104,9 @@ class TraceDoubts {
   double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0, paused_s_ = 0.0;
   double blink_s_ = 0.0, longest_blink_s_ = 0.0;  // begin of the latest
   bool blinks_ = false;
-  glm::dvec2 last_px_{0.0};
-  bool whole_px_ = true;                       // all positions
+  glm::dvec2 last_px_{0.0}, before_last_px_{0.0};
+  std::size_t alternations_ = 0;  // positions far from the last one, and near the one before it
+  bool whole_px_ = true;          // all positions
   double run_s_ = 0.0, longest_hold_s_ = 0.0;  // when a run of equal positions began
   std::size_t run_ = 0, held_ = 0;             // repeats in the run; those of long runs
   Thinned<Kept> kept_{};

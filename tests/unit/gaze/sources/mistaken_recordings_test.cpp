@@ -143,6 +143,9 @@ std::vector<Mistake> wrongAxesAndColumns() {
   const auto stuck = [&](const Row& row) { return of(960.0 + 1e-4 * row.x, 540.0 + 1e-4 * row.y); };
   const auto larger = [&](const Row& row) { return of(2.0 * row.x, 2.0 * row.y); };
   const auto smaller = [&](const Row& row) { return of(0.4 * row.x, 0.4 * row.y); };
+  const auto inTurn = [&](const Row& row) {
+    return of(row.number % 2 == 0 ? row.x : 0.7 * row.x + 500.0, row.y);
+  };
   const auto eyes = [](const Row& row) {
     return std::vector<double>{row.time_s, row.x, row.y, row.x / 1920.0, row.y / 1080.0};
   };
@@ -167,6 +170,7 @@ std::vector<Mistake> wrongAxesAndColumns() {
       {"all in a pixel", saidAbout(table(kXy, mapped(stuck))), "gaze.units"},
       {"a larger screen", saidAbout(table(kXy, mapped(larger))), "screen.size_px"},
       {"a smaller screen", saidAbout(table(kXy, mapped(smaller))), "screen.size_px"},
+      {"two people in turn", saidAbout(table(kXy, mapped(inTurn))), "gaze.rows"},
       {"eyes in different units", saidAbout(table("time_s,lx,ly,rx,ry", eyes)), "left_x"},
       {"directions with z forward",
        saidAbout(table("time_s,left_direction_x,left_direction_y,left_direction_z", forward)),
