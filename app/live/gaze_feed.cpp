@@ -14,6 +14,7 @@ namespace {
 constexpr double kPolls_Hz = 500.0;           // samples of a tracker wait 2 ms at most
 constexpr std::size_t kMaxWaiting = 1 << 18;  // 100 MB; a frame of four minutes at 1000 Hz
 constexpr double kStepLines_s = 10.0;         // between lines about steps of the sender's clock
+constexpr double kJudged_s = 10.0;            // of gaze, whose unit may be wrong
 constexpr const char* kOverflow = "foci renders a frame for too long";
 
 void logLine(const std::string& line) {
@@ -111,6 +112,21 @@ void GazeFeed::note(const std::vector<GazeSample>& news, SenderFacts&& sender, d
             decimal(sender.clock->latest_steps.back().ahead_s, 3) + " s; foci follows it");
   }
   sender_ = std::move(sender);
+  if (!source_.mouse && !source_.player && !holds_) judge(news, now_s);
+}
+
+/// Says it while gaze looks as if it were in another unit, or from another origin.
+void GazeFeed::judge(const std::vector<GazeSample>& news, double now_s) {
+  for (const GazeSample& sample : news) doubts_.add(sample);
+  if (now_s - judged_s_ < kJudged_s) return;
+  judged_s_ = now_s;
+  TraceHeader header;
+  header.screen = source_.screen;
+  std::exchange(doubts_, {}).statePoints(header);
+  const bool begins = doubt_.empty();
+  doubt_ = header.warnings.empty() ? "" : "gaze looks wrong: " + header.warnings.front();
+  if (source_.pushed && !doubt_.empty()) doubt_ += " Expected px from the upper left corner";
+  if (begins) logLine(doubt_);
 }
 
 void GazeFeed::look(bool uses_gaze) {
@@ -123,7 +139,8 @@ GazeReception GazeFeed::reception() const {
   return {.clock = sender_.clock,
           .dropped = watch_.dropped(),
           .unused = watch_.unused(),
-          .remark = watch_.remark()};
+          .remark = watch_.remark(),
+          .doubt = doubt_};
 }
 
 void GazeFeed::pointTo(const std::optional<glm::dvec2>& point_px) {

@@ -16,6 +16,7 @@
 #include "app/live/sources.h"
 #include "app/record/live_facts.h"
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 
@@ -113,6 +114,7 @@ class GazeFeed {
   void run(const std::stop_token& stop);
   void note(const std::vector<GazeSample>& news, SenderFacts&& sender, double now_s);
   void holdGaze(std::vector<GazeSample>& news);
+  void judge(const std::vector<GazeSample>& news, double now_s);
 
   NamedSource source_;
   const LiveClock& clock_;
@@ -122,6 +124,9 @@ class GazeFeed {
   GazeWatch watch_;
   SenderFacts sender_;  // at the latest poll
   double logged_step_s_ = 0.0;
+  TraceDoubts doubts_;  // of the samples since `judged_s_`
+  double judged_s_ = 0.0;
+  std::string doubt_;
   std::optional<glm::dvec2> pointer_px_;
   std::string status_;
   double now_s_ = 0.0;                   // of a recording, at the latest poll

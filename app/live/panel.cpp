@@ -316,6 +316,8 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
     y = noticeAt(x, y, kWarning, "G" + reception.remark.substr(1) + ". Focus stays where it was");
   } else if (content.frame->record.eye.state == GazeState::lost) {
     y = noticeAt(x, y, kWarning, "No gaze: focus stays where it was (" + content.source + ")");
+  } else if (!reception.doubt.empty()) {
+    y = noticeAt(x, y, kWarning, "G" + reception.doubt.substr(1));
   }
   if (reception.clock && !reception.clock->latest_steps.empty()) {
     const ClockStep& step = reception.clock->latest_steps.back();

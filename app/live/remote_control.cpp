@@ -39,7 +39,9 @@ std::string stateOf(const LiveState& state, double now_s) {
                                  {"clock", nullptr},
                                  {"record", nullptr},
                                  {"record_failure", nullptr}};
-  if (!state.reception.remark.empty()) json["gaze_remark"] = state.reception.remark;
+  for (const std::string& text : {state.reception.doubt, state.reception.remark}) {
+    if (!text.empty()) json["gaze_remark"] = text;
+  }
   if (const auto& clock = state.reception.clock) {
     json["clock"] = {
         {"offset_s", clock->offset_s}, {"drift_ppm", clock->drift_ppm}, {"steps", clock->steps}};

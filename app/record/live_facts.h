@@ -101,6 +101,8 @@ struct GazeReception {
   std::vector<UnusedGaze> unused{};   ///< longer than a second each
   /// "gaze arrives, but none of it has been used for 3 s: ..."; empty while gaze is used.
   std::string remark{};
+  /// "gaze looks wrong: ..." where its unit may be another; empty: it looks right.
+  std::string doubt{};
 };
 
 }  // namespace foci

@@ -391,6 +391,15 @@ void TraceDoubts::stateRepeats(Doubts& doubts) const {
                  "tells, name it with gaze.confidence or gaze.blink");
 }
 
+bool TraceDoubts::statePoints(TraceHeader& header) const {
+  if (kept_.kept().size() < kMinPositions) return false;
+  Doubts doubts(header.warnings);
+  stateLoss(header, doubts);
+  const std::size_t before = header.warnings.size();
+  statePositions(positionsOf(points_px(), header), last_s_ - first_s_, doubts);
+  return header.warnings.size() > before;
+}
+
 void TraceDoubts::state(const TraceColumns& columns, TraceHeader& header) const {
   Doubts doubts(header.warnings);
   if (hasMetricScreen(header)) {
@@ -404,10 +413,7 @@ void TraceDoubts::state(const TraceColumns& columns, TraceHeader& header) const 
   space_.state(header.gaze_in_world, header.world_y_up, doubts);
   if (kept_.kept().size() < kMinPositions || columns.mapped_later || columns.space.from_head)
     return;
-  stateLoss(header, doubts);
-  const std::size_t before = header.warnings.size();
-  statePositions(positionsOf(points_px(), header), last_s_ - first_s_, doubts);
-  const bool doubtful = header.warnings.size() > before;
+  const bool doubtful = statePoints(header);
   stateEyes(header, doubts);
   stateRepeats(doubts);
   constexpr std::string_view kCertain = "certain: a column of ";

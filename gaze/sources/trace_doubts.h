@@ -78,6 +78,10 @@ class TraceDoubts {
   /// @param header  of the same recording; its screen may be unknown in part
   void state(const TraceColumns& columns, TraceHeader& header) const;
 
+  /// The part of `state` about where gaze is. @return whether its unit, origin or columns are
+  /// doubtful
+  bool statePoints(TraceHeader& header) const;
+
  private:
   struct Kept {
     glm::dvec2 point_px{0.0};

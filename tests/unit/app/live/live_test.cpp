@@ -8,10 +8,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "app/live/record.h"
 #include "app/live/refiner.h"
@@ -292,6 +295,40 @@ TEST_F(Live, SaysWhatHappensToTheGaze) {
   ASSERT_EQ(gaze["unused"].size(), 1u);
   EXPECT_GT(gaze["unused"][0]["to_s"].get<double>() - gaze["unused"][0]["from_s"].get<double>(),
             1.0);
+}
+
+/// A sender of fractions, of degrees and of millimetres is told while it sends; one of px is not.
+TEST_F(Live, SaysThatPushedGazeIsInAnotherUnit) {
+  const glm::dvec2 size_px(study.screenInForce().size_px);
+  const std::pair<const char*, std::function<glm::dvec2(const glm::dvec2&)>> units[] = {
+      {"hardly moves", [](const glm::dvec2& part) { return part; }},
+      {"off the screen", [](const glm::dvec2& part) { return 30.0 * (part - 0.5); }},
+      {"upper left quarter", [&](const glm::dvec2& part) { return 0.25 * size_px * part; }},
+      {"", [&](const glm::dvec2& part) { return size_px * part; }}};
+  const LiveClock clock;
+  std::vector<std::unique_ptr<GazeFeed>> feeds;
+  testing::internal::CaptureStderr();
+  for (std::size_t i = 0; i < std::size(units); ++i) {
+    feeds.push_back(std::make_unique<GazeFeed>(openLiveSource("socket:100", study), clock));
+  }
+  std::vector<GazeSample> taken;
+  for (int i = 0; clock.now_s() < 10.5; ++i) {
+    const glm::dvec2 part(0.1 + 0.1 * (i / 30 % 9), 0.15 + 0.07 * (i / 50 % 11));
+    const glm::dvec2 noise(1e-4 * (i % 7), 1e-4 * (i % 5));
+    for (std::size_t k = 0; k < std::size(units); ++k) {
+      const glm::dvec2 point = units[k].second(part + noise);
+      feeds[k]->push(printed("%.6f %.6f %.6f", 100.0 + clock.now_s(), point.x, point.y));
+      feeds[k]->take(taken);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  for (std::size_t k = 0; k < std::size(units); ++k) {
+    const std::string doubt = feeds[k]->reception().doubt;
+    EXPECT_NE(doubt.find(units[k].first), std::string::npos) << doubt;
+    EXPECT_EQ(doubt.empty(), *units[k].first == '\0') << doubt;
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("foci: gaze looks wrong: "), std::string::npos) << log;
 }
 
 TEST_F(Live, KeepsEverySampleThatItAnswersWithOk) {
