@@ -107,16 +107,17 @@ void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
 }
 
 /// Whether only this eye is lost, and not the other. Pupil Capture sends such a loss at once, but
-/// the other eye's gaze ten samples later, with earlier times (RealtimeMatcher,
-/// gaze_mapping/matching.py).
+/// the other eye's gaze late, with earlier times (`kLate_s`).
 bool PupilSource::isLossOfOneEye(std::string_view topic, bool has_point, double now_s) {
-  constexpr double kSeen_s = 0.25;  // longer than those ten samples at 60 Hz
+  if (!seen_s_) seen_s_ = {now_s, now_s};
   const std::string_view eyes = topic.substr(std::min(topic.size(), sizeof("gaze.3d.") - 1));
   const bool both = eyes.starts_with("01");
   for (const int eye : {0, 1}) {
-    if (both || eyes.starts_with(std::to_string(eye))) seen_s_[eye] = has_point ? now_s : -INFINITY;
+    if (both || eyes.starts_with(std::to_string(eye))) {
+      (*seen_s_)[eye] = has_point ? now_s : -INFINITY;
+    }
   }
-  return !both && !has_point && now_s - std::max(seen_s_[0], seen_s_[1]) <= kSeen_s;
+  return !both && !has_point && now_s - std::ranges::max(*seen_s_) <= kLate_s;
 }
 
 void PupilSource::note(const GazeSample& sample, double now_s) {

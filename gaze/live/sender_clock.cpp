@@ -13,7 +13,7 @@ constexpr double kWindow_s = 10.0;  // a drift that changes is followed within h
 constexpr double kBin_s = 0.05;     // of the window, which so has 200 points at most
 constexpr double kSpan_s = 2.0;     // of the points, from which on they tell the drift
 constexpr double kMaxSlope = 0.1;   // chrony slews a clock by 8.3 % at most (maxslewrate)
-// Delays differ by tens of milliseconds. What differs by more does not fit the clock.
+// Delays differ by tens of milliseconds. Times that are further ahead do not fit the clock.
 constexpr double kStep_s = 0.05;
 // Doubtful samples that agree with each other to `kAgree_s`, for so long, are a step of the clock.
 constexpr double kAgree_s = 0.25, kConfirm_s = 0.2;
@@ -49,13 +49,14 @@ void SenderClock::takeOne(const GazeSample& sample, double now_s,
     low_ = {sent_s, measured_ ? 0.0 : offset_s};
   }
   const double delay_s = offset_s - offsetAt(sent_s);
-  const bool fits = std::abs(delay_s) <= kStep_s;
+  const bool fits = delay_s >= -kStep_s && delay_s <= late_s_;
   if (pause_s > kPause_s && !fits) {  // another clock, or too long a pause for the drift
     dropDoubts();
     if (std::abs(delay_s) > kStep_s + kPauseDrift * pause_s) noteStep(now_s, offset_s);
     began_s_ = now_s;
     restart();
-  } else if (!fits && now_s - began_s_ <= kYoung_s && delay_s < 0.0) {
+  } else if (!fits && delay_s < 0.0 &&
+             (now_s - began_s_ <= kYoung_s || delay_s >= -late_s_)) {  // a shorter delay
     dropDoubts();
     restart();
   } else if (!fits) {

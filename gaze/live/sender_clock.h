@@ -39,7 +39,9 @@ class SenderClock {
  public:
   /// @param measured  the times given are on our clock already. They are believed while the
   ///                  shortest delay is plausible
-  explicit SenderClock(bool measured = false) : measured_(measured) {}
+  /// @param late_s    by how much delays differ that are no step of the clock
+  explicit SenderClock(bool measured = false, double late_s = 0.05)
+      : measured_(measured), late_s_(late_s) {}
 
   /// Takes samples that arrive together, with times on the sender's clock, and appends them with
   /// times on ours: those increase from sample to sample, and are not after `now_s` (but by
@@ -76,6 +78,7 @@ class SenderClock {
   double offsetAt(double sent_s) const { return low_.offset_s + slope_ * (sent_s - low_.sent_s); }
 
   bool measured_;
+  double late_s_;
   std::deque<Point> points_{};    // the lowest of each bin of the window
   double bin_s_ = 0.0;            // begin of the newest bin, on our clock
   Point low_{};                   // a point of the line

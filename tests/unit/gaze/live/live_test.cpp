@@ -304,6 +304,42 @@ TEST(PupilSource, TheLossOfOneEyeIsNoneWhileTheOtherHasGaze) {
   EXPECT_FALSE(received.back().point_px);
 }
 
+// One eye's gaze comes ten samples late, from the start or between gaze of both: no clock steps.
+TEST(PupilSource, ALateEyeIsNoStepOfTheClock) {
+  constexpr double kPeriod_s = 1.0 / 60.0, kLate_s = 10.0 * kPeriod_s;
+  Sender sender;
+  PupilSource source("127.0.0.1", sender.port(), kScreen);
+  std::vector<GazeSample> received;
+  double now_s = 0.0, begin_s = INFINITY;
+  const auto send = [&](const char* topic, double time_s, double confidence) {
+    GazeSample sample = lookingAt(1000.0 + time_s, {0, 0, -0.6});
+    sample.confidence = confidence;
+    sender.send(sample, false, topic);
+  };
+  const auto play = [&](double seconds, bool both) {
+    for (const double end_s = now_s + seconds; now_s < end_s;) {
+      now_s += kPeriod_s;
+      sender.pump();
+      if (both) send("gaze.2d.01.", now_s, 0.9);
+      if (!both) send("gaze.2d.0.", now_s, 0.1);
+      if (!both && now_s > begin_s) send("gaze.2d.1.", now_s - kLate_s, 0.9);
+      std::this_thread::sleep_for(std::chrono::milliseconds(6));
+      source.poll(now_s, received);
+    }
+  };
+  for (int i = 0; i < 20 && sender.asked == 0; ++i) play(0.02, false);
+  begin_s = now_s + kLate_s;
+  play(2.0, false);
+  const double rate_Hz = source.rate_Hz();
+  EXPECT_GT(received.size(), 80u);
+  EXPECT_TRUE(received.back().point_px);
+  EXPECT_NEAR(rate_Hz, 60.0, 12.0);
+  play(1.0, true);
+  play(1.0, false);
+  play(1.0, true);
+  EXPECT_EQ(source.sender().clock->steps, 0u);
+}
+
 // Messages that are thrown away are no sign of life: foci asks again.
 TEST(PupilSource, AsksAgainWhileNothingIsUsable) {
   Sender sender;
