@@ -324,6 +324,11 @@ InputError ColumnNames::missing(Meaning meaning, std::string_view keys) const {
                   option);
   }
   if (const std::string other = otherKind(); !other.empty()) return place_.error(other);
+  if (equalsIgnoringCase(texts_[0], "@relation")) {
+    return place_.error(
+        "ARFF: expected names in the first line: replace the lines up to @data by the names of the "
+        "attributes, separated by commas");
+  }
   if (texts_.size() == 1 && texts_[0].find('|') != std::string_view::npos) {
     return place_.error(
         "fields separated by \"|\": expected tabs, semicolons, commas or blanks; or "

@@ -115,8 +115,8 @@ bool RowTimes::takeRepeat(const GazeSample& sample) {
   if (!first_repeat_) {
     first_repeat_ = rows_.error(
         "time " + shown(row_.field(*layout_.time)) +
-        " is not after the sample before: remove one of the two rows, which differ, or name a "
-        "finer clock with gaze.time");
+        " is not after the sample before: remove one of the two rows, which differ, choose rows "
+        "with gaze.rows, or name a finer clock with gaze.time");
   }
   // Whole milliseconds may repeat above 1000 Hz.
   if (settled_ || sample.time_s != std::floor(sample.time_s)) throw *first_repeat_;

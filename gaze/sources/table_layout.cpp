@@ -150,6 +150,10 @@ class Recogniser {
       const auto findOf = [&](std::string_view pattern) { return find(keysOf(pattern, side)); };
       eye.x = findPosition(keysOf(kEyesAxes, side, 'x'));
       eye.y = findPosition(keysOf(kEyesAxes, side, 'y'));
+      if (isEyeTribe(names_)) {  // SMI's "L Raw X" is the pupil in the image of a camera
+        eye.x = find(keysOf("ErawA", side, 'x'));
+        eye.y = find(keysOf("ErawA", side, 'y'));
+      }
       eye.validity = findOf(kEyesValidity);
       // In Pupil Core the right eye is number 0.
       eye.pupil_mm =

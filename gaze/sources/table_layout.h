@@ -245,6 +245,9 @@ void judgeValidity(Rows& rows, TableLayout& layout);
 /// lack, or in the frame of the head unit (HUCS).
 bool isOfProGlasses(const ColumnNames& names);
 
+/// A log of PyTribe, or of another program for The Eye Tribe.
+bool isEyeTribe(const ColumnNames& names);
+
 /// Whether the table is of Tobii Studio, which writes names without blanks. Pro Lab writes blanks.
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before);
 

@@ -1,5 +1,5 @@
 // From exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK, PyGaze, Gazepoint,
-// Pupil Core, Neon, SMI BeGaze, iMotions, E-Prime and GazeBase.
+// Pupil Core, Neon, SMI BeGaze, iMotions, E-Prime, PyTribe and GazeBase.
 
 #include <algorithm>
 #include <array>
@@ -187,6 +187,12 @@ const Vendor kVendors[] = {
      .units = kFractions,
      .time_scale_s = 1e-3,
      .more = minusOneIsLoss},
+    {.name = "The Eye Tribe",
+     .complete = {"fix", "state"},
+     .units = kPx,
+     .time_scale_s = 1e-3,
+     .zero_is_absent = true,
+     .is = [](Names names, const TablePreamble&) { return isEyeTribe(names); }},
     {.name = "GazeBase",
      .needs = {"n", "x", "y", "val", "dp"},
      .complete = {"xt", "yt", "lab"},
@@ -237,6 +243,10 @@ bool isOfProGlasses(const ColumnNames& names) {
          (names.find("recordingmediawidth recordingmedianame gazepoint3dx gazepoint3dleftx "
                      "pupilpositionleftx gyrox accelerometerx") &&
           !names.find("recordingresolutionwidth presentedmedianame presentedstimulusname"));
+}
+
+bool isEyeTribe(const ColumnNames& names) {
+  return names.find("avgx") && names.find("lavgx") && names.find("lrawx") && names.find("rrawx");
 }
 
 bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {

@@ -320,6 +320,27 @@ TEST(VendorExport, TheRateOfWholeMillisecondsIsTheMean) {
   EXPECT_NEAR(readTrace(ScratchFile(text).path(), {}, {}).rate_Hz, 60.0, 0.01);
 }
 
+TEST(VendorExport, TheEyeTribesRawGazeIsReadAndZeroIsDataLoss) {
+  const GazeTrace trace = readTrace(
+      ScratchFile(
+          "timestamp\ttime\tfix\tstate\trawx\trawy\tavgx\tavgy\tpsize\tLrawx\tLrawy\tLavgx"
+          "\tLavgy\tLpsize\tRrawx\tRrawy\tRavgx\tRavgy\tRpsize\n"
+          "2015-03-02 14:05:10.000\t5000\tTrue\t7\t500\t400\t9\t9\t20\t490\t400\t9\t9\t20\t"
+          "510\t400\t9\t9\t20\n"
+          "2015-03-02 14:05:10.016\t5016\tTrue\t7\t490\t400\t9\t9\t20\t490\t400\t9\t9\t20\t"
+          "0\t0\t0\t0\t0\n"
+          "2015-03-02 14:05:10.033\t5033\tFalse\t8\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\n")
+          .path(),
+      {}, {.size_px = {1920, 1080}});
+  EXPECT_EQ(trace.format, "The Eye Tribe, binocular");
+  ASSERT_EQ(trace.samples.size(), 3u);
+  expectPoint(trace.samples[0].point_px, 500, 400);
+  EXPECT_FALSE(trace.samples[1].eyes[1].point_px);
+  EXPECT_TRUE(trace.samples[1].point_px);
+  EXPECT_FALSE(trace.samples[2].point_px);
+  EXPECT_NEAR(trace.samples[2].time_s - trace.samples[0].time_s, 0.033, 1e-9);
+}
+
 TEST(VendorExport, TablesOfOtherThingsAreNamed) {
   const auto says = [](const char* table, const char* part) {
     EXPECT_NE(refusal(table).find(part), std::string::npos) << refusal(table);
@@ -330,6 +351,7 @@ TEST(VendorExport, TablesOfOtherThingsAreNamed) {
   says("time_s,yaw,pitch,head_x\n0,0.1,0.2,1\n", "gaze.angles");
   says("t;GazeRay.Direction.x;GazeRay.Direction.y;GazeRay.Direction.z\n0;0;0;1\n", "directions");
   says("time|x|y\n0|1|2\n", "sep=|");
+  says("@RELATION gaze\n@ATTRIBUTE time INTEGER\n@DATA\n0,1,2\n", "ARFF");
   says("Time,X,Y\n22.11. 10:22,3,4\n", "gaze.time");
   says("Time,X,Y\n10:22:00,3,4\n10:22:00,3,5\n", "a finer clock with gaze.time");
 }
