@@ -12,6 +12,7 @@
 #include "calibration/calibration_file.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/screen/screen_size.h"
+#include "gaze/geometry/screen_distance.h"
 #include "gaze/sources/trace_doubts.h"
 
 namespace foci {

@@ -4,8 +4,8 @@
 #include "app/study/study_words.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "gaze/geometry/screen_distance.h"
 #include "gaze/sources/recording_formats.h"
-#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {

@@ -8,7 +8,7 @@
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/trace_doubts.h"
+#include "gaze/geometry/screen_distance.h"
 #include "render/methods/method.h"
 
 namespace foci {

@@ -9,8 +9,8 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "gaze/geometry/screen_distance.h"
 #include "gaze/sources/column_names.h"
-#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {

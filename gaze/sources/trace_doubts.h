@@ -30,9 +30,6 @@ class Doubts {
   std::vector<std::string>& warnings_;
 };
 
-/// Of a screen from the eye, as files, studies and options may state it; 60 is in cm.
-inline constexpr double kNearestScreen_m = 0.01, kFarthestScreen_m = 20.0;
-
 /// How the user states a screen.
 struct ScreenNames {
   std::string size_px = "screen.size_px", size_m = "screen.size_m",
