@@ -12,7 +12,6 @@
 #include "calibration/calibration_file.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/screen/screen_size.h"
-#include "gaze/geometry/screen_distance.h"
 #include "gaze/sources/trace_doubts.h"
 
 namespace foci {
@@ -88,9 +87,7 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
   const double px_per_m = screen.size_px.x / screen.size_m.x;
   if (options.distance_m) {
     if (!(*options.distance_m >= kNearestScreen_m && *options.distance_m <= kFarthestScreen_m)) {
-      throw InputError(
-          "--distance-m " + exactText(*options.distance_m),
-          "expected " + exactText(kNearestScreen_m) + " to " + exactText(kFarthestScreen_m) + " m");
+      throw InputError("--distance-m " + exactText(*options.distance_m), "expected 0.01 to 20 m");
     }
     screen.distance_m = *options.distance_m;
     calibration.distance_from = "by hand";

@@ -12,7 +12,6 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/screen/screen_size.h"
-#include "gaze/geometry/screen_distance.h"
 
 namespace foci {
 namespace {

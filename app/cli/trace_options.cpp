@@ -4,7 +4,6 @@
 #include "app/study/study_words.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/geometry/screen_distance.h"
 #include "gaze/sources/recording_formats.h"
 
 namespace foci {

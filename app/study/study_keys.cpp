@@ -8,7 +8,6 @@
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/geometry/screen_distance.h"
 #include "render/methods/method.h"
 
 namespace foci {

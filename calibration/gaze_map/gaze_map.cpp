@@ -8,7 +8,6 @@
 #include "base/transformed.h"
 #include "calibration/calibration_file.h"
 #include "calibration/location.h"
-#include "gaze/geometry/screen_distance.h"
 
 namespace foci {
 namespace {

@@ -9,7 +9,6 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "calibration/calibration_file.h"
-#include "gaze/geometry/screen_distance.h"
 
 namespace foci {
 

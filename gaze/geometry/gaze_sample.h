@@ -25,6 +25,8 @@ struct Screen {
 
 /// Interpupillary distances of people.
 inline constexpr double kMinIpd_mm = 40.0, kMaxIpd_mm = 80.0;
+/// Of a screen from the eye, as files, studies and options may state it; 60 is in cm.
+inline constexpr double kNearestScreen_m = 0.01, kFarthestScreen_m = 20.0;
 
 /// Where the head is. Its frame is right-handed: x right, y up, looking along -z.
 struct HeadInWorld {

@@ -9,7 +9,6 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/geometry/screen_distance.h"
 #include "gaze/sources/column_names.h"
 
 namespace foci {
