@@ -10,6 +10,10 @@ namespace foci {
 namespace {
 
 constexpr double kPatience_s = 2.0;
+// Gaze of one eye comes ten samples late, that of both at once (RealtimeMatcher,
+// gaze_mapping/matching.py).
+constexpr double kLate_s = 0.25;    // longer than those ten samples at 60 Hz
+constexpr double kAlone_s = 1.0;    // after gaze of one eye, that of both may come earlier
 constexpr int kMaxMessages = 4096;  // in the queue
 
 zmq::socket_t quietSocket(zmq::context_t& context, zmq::socket_type type) {
@@ -101,17 +105,19 @@ void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
     }
     if (isLossOfOneEye(topic.to_string_view(), sample->point_px.has_value(), now_s)) continue;
     const std::size_t before = samples.size();
-    clock_.take({*sample}, now_s, samples);
+    clock_.take({*sample}, now_s, samples,
+                now_s - alone_s_ > kAlone_s ? SenderClock::kStep_s : kLate_s);
     for (std::size_t k = before; k < samples.size(); ++k) note(samples[k], now_s);
   }
 }
 
 /// Whether only this eye is lost, and not the other. Pupil Capture sends such a loss at once, but
-/// the other eye's gaze late, with earlier times (`kLate_s`).
+/// the other eye's gaze late, with earlier times.
 bool PupilSource::isLossOfOneEye(std::string_view topic, bool has_point, double now_s) {
   if (!seen_s_) seen_s_ = {now_s, now_s};
   const std::string_view eyes = topic.substr(std::min(topic.size(), sizeof("gaze.3d.") - 1));
   const bool both = eyes.starts_with("01");
+  if (!both) alone_s_ = now_s;
   for (const int eye : {0, 1}) {
     if (both || eyes.starts_with(std::to_string(eye))) {
       (*seen_s_)[eye] = has_point ? now_s : -INFINITY;

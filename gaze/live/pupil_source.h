@@ -54,10 +54,8 @@ class PupilSource : public LiveSource {
   double since_s_ = 0.0;  // time of the latest request, or of the latest sample that was used
   // When an eye's latest message had gaze; at first, both may have.
   std::optional<std::array<double, 2>> seen_s_{};
-  // Gaze of one eye comes ten samples late, that of both at once (RealtimeMatcher,
-  // gaze_mapping/matching.py).
-  static constexpr double kLate_s = 0.25;  // longer than those ten samples at 60 Hz
-  SenderClock clock_{false, kLate_s};
+  double alone_s_ = -INFINITY;  // time of the latest message of one eye
+  SenderClock clock_{};
   std::size_t unread_ = 0;              // messages of gaze that are damaged
   std::optional<double> last_s_{};      // time of the latest sample
   std::optional<double> interval_s_{};  // usual time between samples

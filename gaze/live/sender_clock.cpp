@@ -13,8 +13,6 @@ constexpr double kWindow_s = 10.0;  // a drift that changes is followed within h
 constexpr double kBin_s = 0.05;     // of the window, which so has 200 points at most
 constexpr double kSpan_s = 2.0;     // of the points, from which on they tell the drift
 constexpr double kMaxSlope = 0.1;   // chrony slews a clock by 8.3 % at most (maxslewrate)
-// Delays differ by tens of milliseconds. Times that are further ahead do not fit the clock.
-constexpr double kStep_s = 0.05;
 // Doubtful samples that agree with each other to `kAgree_s`, for so long, are a step of the clock.
 constexpr double kAgree_s = 0.25, kConfirm_s = 0.2;
 constexpr std::size_t kConfirm = 3;
@@ -26,9 +24,9 @@ constexpr std::size_t kMaxSteps = 1000;  // that are listed
 }  // namespace
 
 void SenderClock::take(const std::vector<GazeSample>& news, double now_s,
-                       std::vector<GazeSample>& samples) {
+                       std::vector<GazeSample>& samples, double late_s) {
   std::vector<GazeSample> fitting;
-  for (const GazeSample& sample : news) takeOne(sample, now_s, fitting);
+  for (const GazeSample& sample : news) takeOne(sample, now_s, late_s, fitting);
   for (GazeSample& sample : fitting) {
     sample.time_s = std::min(sample.time_s + offsetAt(sample.time_s), now_s);
     // A lower line may move a sample to the time of one that was given, or before it.
@@ -38,7 +36,7 @@ void SenderClock::take(const std::vector<GazeSample>& news, double now_s,
   }
 }
 
-void SenderClock::takeOne(const GazeSample& sample, double now_s,
+void SenderClock::takeOne(const GazeSample& sample, double now_s, double late_s,
                           std::vector<GazeSample>& fitting) {
   const double sent_s = sample.time_s, offset_s = now_s - sent_s;
   const double pause_s = known_ ? now_s - arrived_s_ : 0.0;
@@ -49,14 +47,14 @@ void SenderClock::takeOne(const GazeSample& sample, double now_s,
     low_ = {sent_s, measured_ ? 0.0 : offset_s};
   }
   const double delay_s = offset_s - offsetAt(sent_s);
-  const bool fits = delay_s >= -kStep_s && delay_s <= late_s_;
+  const bool fits = delay_s >= -kStep_s && delay_s <= late_s;
   if (pause_s > kPause_s && !fits) {  // another clock, or too long a pause for the drift
     dropDoubts();
     if (std::abs(delay_s) > kStep_s + kPauseDrift * pause_s) noteStep(now_s, offset_s);
     began_s_ = now_s;
     restart();
   } else if (!fits && delay_s < 0.0 &&
-             (now_s - began_s_ <= kYoung_s || delay_s >= -late_s_)) {  // a shorter delay
+             (now_s - began_s_ <= kYoung_s || delay_s >= -late_s)) {  // a shorter delay
     dropDoubts();
     restart();
   } else if (!fits) {

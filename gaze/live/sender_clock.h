@@ -37,19 +37,22 @@ inline constexpr const char* kUnfitting =
 
 class SenderClock {
  public:
+  // Delays differ by tens of milliseconds. Times that are further ahead do not fit the clock.
+  static constexpr double kStep_s = 0.05;
+
   /// @param measured  the times given are on our clock already. They are believed while the
   ///                  shortest delay is plausible
-  /// @param late_s    by how much delays differ that are no step of the clock
-  explicit SenderClock(bool measured = false, double late_s = 0.05)
-      : measured_(measured), late_s_(late_s) {}
+  explicit SenderClock(bool measured = false) : measured_(measured) {}
 
   /// Takes samples that arrive together, with times on the sender's clock, and appends them with
   /// times on ours: those increase from sample to sample, and are not after `now_s` (but by
   /// microseconds, where samples come in a burst). The shortest delay counts as 0. Samples that do
   /// not fit the clock are held. If those that follow agree with them, the clock has stepped: all
   /// of them are appended. Otherwise they are dropped.
-  /// @param now_s  never decreases
-  void take(const std::vector<GazeSample>& news, double now_s, std::vector<GazeSample>& samples);
+  /// @param now_s   never decreases
+  /// @param late_s  by how much delays differ that are no step of the clock
+  void take(const std::vector<GazeSample>& news, double now_s, std::vector<GazeSample>& samples,
+            double late_s = kStep_s);
 
   /// Samples dropped so far: repeated, out of order, or far from the clock.
   std::size_t dropped() const { return dropped_; }
@@ -68,7 +71,8 @@ class SenderClock {
     double offset_s() const { return now_s - sample.time_s; }
   };
 
-  void takeOne(const GazeSample& sample, double now_s, std::vector<GazeSample>& fitting);
+  void takeOne(const GazeSample& sample, double now_s, double late_s,
+               std::vector<GazeSample>& fitting);
   void doubt(const GazeSample& sample, double now_s, std::vector<GazeSample>& fitting);
   void restart();
   void noteStep(double now_s, double offset_s);
@@ -78,7 +82,6 @@ class SenderClock {
   double offsetAt(double sent_s) const { return low_.offset_s + slope_ * (sent_s - low_.sent_s); }
 
   bool measured_;
-  double late_s_;
   std::deque<Point> points_{};    // the lowest of each bin of the window
   double bin_s_ = 0.0;            // begin of the newest bin, on our clock
   Point low_{};                   // a point of the line

@@ -304,15 +304,16 @@ TEST(PupilSource, TheLossOfOneEyeIsNoneWhileTheOtherHasGaze) {
   EXPECT_FALSE(received.back().point_px);
 }
 
-// One eye's gaze comes ten samples late, from the start or between gaze of both: no clock steps.
+// One eye's gaze comes ten samples late, from the start or between gaze of both: no clock steps. As
+// late a step of the clock under gaze of both eyes is one.
 TEST(PupilSource, ALateEyeIsNoStepOfTheClock) {
   constexpr double kPeriod_s = 1.0 / 60.0, kLate_s = 10.0 * kPeriod_s;
   Sender sender;
   PupilSource source("127.0.0.1", sender.port(), kScreen);
   std::vector<GazeSample> received;
-  double now_s = 0.0, begin_s = INFINITY;
+  double now_s = 0.0, begin_s = INFINITY, clock_s = 1000.0;
   const auto send = [&](const char* topic, double time_s, double confidence) {
-    GazeSample sample = lookingAt(1000.0 + time_s, {0, 0, -0.6});
+    GazeSample sample = lookingAt(clock_s + time_s, {0, 0, -0.6});
     sample.confidence = confidence;
     sender.send(sample, false, topic);
   };
@@ -336,8 +337,11 @@ TEST(PupilSource, ALateEyeIsNoStepOfTheClock) {
   EXPECT_NEAR(rate_Hz, 60.0, 12.0);
   play(1.0, true);
   play(1.0, false);
-  play(1.0, true);
+  play(2.0, true);
   EXPECT_EQ(source.sender().clock->steps, 0u);
+  clock_s -= kLate_s;
+  play(1.0, true);
+  EXPECT_EQ(source.sender().clock->steps, 1u);
 }
 
 // Messages that are thrown away are no sign of life: foci asks again.
