@@ -112,20 +112,23 @@ void GazeFeed::note(const std::vector<GazeSample>& news, SenderFacts&& sender, d
             decimal(sender.clock->latest_steps.back().ahead_s, 3) + " s; foci follows it");
   }
   sender_ = std::move(sender);
-  if (!source_.mouse && !source_.player && !holds_) judge(news, now_s);
+  if (!source_.mouse && !source_.player && !holds_ && !looks_right_) judge(news, now_s);
 }
 
-/// Says it while gaze looks as if it were in another unit, or from another origin.
+/// Says it until gaze looks as if its unit and origin were right. Gaze with a head has neither.
 void GazeFeed::judge(const std::vector<GazeSample>& news, double now_s) {
-  for (const GazeSample& sample : news) doubts_.add(sample);
-  if (now_s - judged_s_ < kJudged_s) return;
+  for (const GazeSample& sample : news) {
+    if (!sample.head) doubts_.add(sample);
+  }
+  if (now_s - judged_s_ < kJudged_s || !doubts_.hasPositions()) return;
   judged_s_ = now_s;
   TraceHeader header;
   header.screen = source_.screen;
-  std::exchange(doubts_, {}).statePoints(header);
+  std::exchange(doubts_, {}).statePositions(header, true);
+  looks_right_ = header.warnings.empty();
   const bool begins = doubt_.empty();
-  doubt_ = header.warnings.empty() ? "" : "gaze looks wrong: " + header.warnings.front();
-  if (source_.pushed && !doubt_.empty()) doubt_ += " Expected px from the upper left corner";
+  doubt_ = looks_right_ ? "" : "gaze may be wrong: " + header.warnings.front();
+  if (source_.pushed && !looks_right_) doubt_ += " (expected px from the upper left corner)";
   if (begins) logLine(doubt_);
 }
 

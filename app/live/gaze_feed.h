@@ -126,6 +126,7 @@ class GazeFeed {
   double logged_step_s_ = 0.0;
   TraceDoubts doubts_;  // of the samples since `judged_s_`
   double judged_s_ = 0.0;
+  bool looks_right_ = false;
   std::string doubt_;
   std::optional<glm::dvec2> pointer_px_;
   std::string status_;

@@ -101,7 +101,7 @@ struct GazeReception {
   std::vector<UnusedGaze> unused{};   ///< longer than a second each
   /// "gaze arrives, but none of it has been used for 3 s: ..."; empty while gaze is used.
   std::string remark{};
-  /// "gaze looks wrong: ..." where its unit may be another; empty: it looks right.
+  /// "gaze may be wrong: ..." where its unit may be another; empty: it looks right.
   std::string doubt{};
 };
 

@@ -35,8 +35,9 @@ constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of o
 // A measured position has noise, so it does not repeat for longer.
 constexpr std::size_t kMinHeld = 4, kMinHeldWhole = 8;
 constexpr double kMinHeld_s = 0.06, kManyHeld = 0.002, kMoving = 0.8;
-// Positions of two people or eyes in turn: farther from the last than from the one before it.
-constexpr double kFar_px = 10.0, kFarther = 5.0, kManyAlternate = 0.3;
+// Positions of two people or eyes in turn: farther from the last than from the one before it, and
+// faster than one eye can go to and fro. A third may be spikes.
+constexpr double kFar_px = 10.0, kFarther = 5.0, kManyAlternate = 0.4, kToAndFro_Hz = 10.0;
 constexpr double kLongGap_s = 60.0, kMaxBlink_s = 3.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
 constexpr double kMaxScreen_px = 8192.0;
@@ -91,12 +92,12 @@ Positions positionsOf(const std::vector<glm::dvec2>& points_px, const TraceHeade
   return at;
 }
 
-/// A short recording may be one fixation, but not at the origin: metres or fractions lie there.
-bool isStill(const Positions& at, double span_s, Doubts& doubts) {
+/// Gaze at rest may be one fixation, but not at the origin: metres or fractions lie there.
+bool isStill(const Positions& at, bool may_rest, Doubts& doubts) {
   const glm::dvec2 all_x = rangeOf(at.x), all_y = rangeOf(at.y);
   const double x = widthOf(all_x), y = widthOf(all_y);
   const bool at_origin = std::min(all_x.x, all_y.x) >= -1.0 && std::max(all_x.y, all_y.y) <= 1.0;
-  if (span_s < kLookedAround_s && !at_origin) return false;
+  if (may_rest && !at_origin) return false;
   const glm::dvec2 limit = at.hasScreen() ? kStill * at.screen : glm::dvec2(kStill_deg);
   const std::string keys = "; is its unit right (gaze.units, gaze.scale), and its column";
   const std::string still = "gaze does not move along ";
@@ -137,10 +138,9 @@ bool isOffScreen(const Positions& at, Doubts& doubts) {
                         "screen.distance_m) right?"));
 }
 
-void statePositions(const Positions& at, double span_s, Doubts& doubts) {
-  if (isStill(at, span_s, doubts) || isSameColumn(at, doubts)) return;
+void judgePositions(const Positions& at, bool looked_around, bool may_rest, Doubts& doubts) {
+  if (isStill(at, may_rest || !looked_around, doubts) || isSameColumn(at, doubts)) return;
   const glm::dvec2 x = rangeOf(at.x), y = rangeOf(at.y);
-  const bool looked_around = span_s >= kLookedAround_s;
   if (at.degrees &&
       doubts.add(looked_around && std::min(x.x, y.x) >= -1.0 && std::max(x.y, y.y) <= 1.0,
                  "all gaze lies within a degree: is its unit right (gaze.units; gaze.scale = "
@@ -380,7 +380,7 @@ void TraceDoubts::stateRepeats(Doubts& doubts) const {
              "each position comes " + significant(run) +
                  " times in a row, so the tracker was slower than the rows, and velocities are "
                  "wrong: keep one row of each (gaze.time names the column of the time)");
-  doubts.add(shareOf(alternations_, present_) > kManyAlternate,
+  doubts.add(shareOf(alternations_, present_) > kManyAlternate && watch_.rate_Hz() > kToAndFro_Hz,
              "positions alternate between two places, as of two people or eyes in turn: if a "
              "column tells them apart, choose one with gaze.rows");
   const double share = shareOf(held_, present_);
@@ -391,12 +391,13 @@ void TraceDoubts::stateRepeats(Doubts& doubts) const {
                  "tells, name it with gaze.confidence or gaze.blink");
 }
 
-bool TraceDoubts::statePoints(TraceHeader& header) const {
-  if (kept_.kept().size() < kMinPositions) return false;
-  Doubts doubts(header.warnings);
-  stateLoss(header, doubts);
+bool TraceDoubts::hasPositions() const { return kept_.kept().size() >= kMinPositions; }
+
+bool TraceDoubts::statePositions(TraceHeader& header, bool may_rest) const {
   const std::size_t before = header.warnings.size();
-  statePositions(positionsOf(points_px(), header), last_s_ - first_s_, doubts);
+  Doubts doubts(header.warnings);
+  judgePositions(positionsOf(points_px(), header), last_s_ - first_s_ >= kLookedAround_s, may_rest,
+                 doubts);
   return header.warnings.size() > before;
 }
 
@@ -411,9 +412,9 @@ void TraceDoubts::state(const TraceColumns& columns, TraceHeader& header) const 
              "a blink lasts " + significant(longest_blink_s_) + " s: is gaze.blink right?");
   stateRates(doubts);
   space_.state(header.gaze_in_world, header.world_y_up, doubts);
-  if (kept_.kept().size() < kMinPositions || columns.mapped_later || columns.space.from_head)
-    return;
-  const bool doubtful = statePoints(header);
+  if (!hasPositions() || columns.mapped_later || columns.space.from_head) return;
+  stateLoss(header, doubts);
+  const bool doubtful = statePositions(header);
   stateEyes(header, doubts);
   stateRepeats(doubts);
   constexpr std::string_view kCertain = "certain: a column of ";

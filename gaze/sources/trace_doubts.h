@@ -75,9 +75,13 @@ class TraceDoubts {
   /// @param header  of the same recording; its screen may be unknown in part
   void state(const TraceColumns& columns, TraceHeader& header) const;
 
-  /// The part of `state` about where gaze is. @return whether its unit, origin or columns are
-  /// doubtful
-  bool statePoints(TraceHeader& header) const;
+  /// Whether there are enough positions to judge.
+  bool hasPositions() const;
+
+  /// The part of `state` about unit, origin and columns.
+  /// @param may_rest  gaze may stay in one place, as of live gaze
+  /// @return whether there is a doubt
+  bool statePositions(TraceHeader& header, bool may_rest = false) const;
 
  private:
   struct Kept {

@@ -297,22 +297,26 @@ TEST_F(Live, SaysWhatHappensToTheGaze) {
             1.0);
 }
 
-/// A sender of fractions, of degrees and of millimetres is told while it sends; one of px is not.
+/// A sender of fractions, of degrees and of millimetres is told while it sends; one of px is not,
+/// though gaze rests, or once it has looked right stays in a corner.
 TEST_F(Live, SaysThatPushedGazeIsInAnotherUnit) {
   const glm::dvec2 size_px(study.screenInForce().size_px);
+  const LiveClock clock;
   const std::pair<const char*, std::function<glm::dvec2(const glm::dvec2&)>> units[] = {
       {"hardly moves", [](const glm::dvec2& part) { return part; }},
       {"off the screen", [](const glm::dvec2& part) { return 30.0 * (part - 0.5); }},
       {"upper left quarter", [&](const glm::dvec2& part) { return 0.25 * size_px * part; }},
-      {"", [&](const glm::dvec2& part) { return size_px * part; }}};
-  const LiveClock clock;
+      {"", [&](const glm::dvec2& part) { return 0.5 * size_px + part; }},
+      {"", [&](const glm::dvec2& part) {
+         return clock.now_s() < 10.2 ? size_px * part : 99.0 * part;
+       }}};
   std::vector<std::unique_ptr<GazeFeed>> feeds;
   testing::internal::CaptureStderr();
   for (std::size_t i = 0; i < std::size(units); ++i) {
     feeds.push_back(std::make_unique<GazeFeed>(openLiveSource("socket:100", study), clock));
   }
   std::vector<GazeSample> taken;
-  for (int i = 0; clock.now_s() < 10.5; ++i) {
+  for (int i = 0; clock.now_s() < 20.5; ++i) {
     const glm::dvec2 part(0.1 + 0.1 * (i / 30 % 9), 0.15 + 0.07 * (i / 50 % 11));
     const glm::dvec2 noise(1e-4 * (i % 7), 1e-4 * (i % 5));
     for (std::size_t k = 0; k < std::size(units); ++k) {
@@ -328,7 +332,7 @@ TEST_F(Live, SaysThatPushedGazeIsInAnotherUnit) {
     EXPECT_EQ(doubt.empty(), *units[k].first == '\0') << doubt;
   }
   const std::string log = testing::internal::GetCapturedStderr();
-  EXPECT_NE(log.find("foci: gaze looks wrong: "), std::string::npos) << log;
+  EXPECT_NE(log.find("foci: gaze may be wrong: "), std::string::npos) << log;
 }
 
 TEST_F(Live, KeepsEverySampleThatItAnswersWithOk) {

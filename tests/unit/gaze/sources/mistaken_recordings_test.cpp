@@ -351,6 +351,16 @@ TEST(MistakenRecordings, WhatOnlyLooksMistakenRaisesNoDoubt) {
   EXPECT_EQ(saidAbout(table("time_s,left_x_deg,left_y_deg,right_x_deg,right_y_deg", cross))
                 .find("gaze.missing"),
             std::string::npos);
+  // A spike in every third sample, and two targets that are fixated in turn, in one sample each.
+  const auto spikes = [](const Row& row) {
+    return glm::dvec2(row.x + (row.number % 3 == 0 ? 60.0 : 0.0), row.y);
+  };
+  EXPECT_EQ(saidAbout(table(kXy, mapped(spikes))), "");
+  const auto targets = [](const Row& row) {
+    return std::vector<double>{0.15 * row.number, 400.0 + 800.0 * (row.number % 2) + 0.03 * row.x,
+                               500.0 + 0.04 * row.y};
+  };
+  EXPECT_EQ(saidAbout(table(kXy, targets)), "");
 }
 
 TEST(MistakenRecordings, ACommaIsDecimalUnlessItMaySeparateThousands) {
