@@ -39,7 +39,7 @@ std::string cell(const std::string& text, const char* kind = "");
 
 /// A number and its name, as a cell of a `numbers` block. Both are HTML.
 std::string numberCell(const std::string& value, const std::string& what);
-/// "1" of `one`, or "2" of more of them.
+/// The same of a count: "1" of "run", or "2" of "runs".
 std::string numberCell(std::size_t count, const std::string& one);
 
 }  // namespace foci

@@ -36,7 +36,7 @@ struct BatchResult {
   BatchRecording recording;
   RunResult run{};
   std::string problem{};   ///< why there is no run; empty: there is one
-  bool bad_input = false;  ///< which is the problem
+  bool bad_input = false;  ///< the problem is the input's
 };
 
 /// Replays each recording into a folder of its own, then writes index.html and recordings.tsv. A

@@ -143,8 +143,8 @@ TraceHeader readAria(const RecordingFile& file, const Screen&, const TakeSample&
   header.world_y_up = false;
   header.assumed.push_back(trajectory.assumed());
   if (lost > 0) {
-    header.warnings.push_back(counted(lost, "sample") +
-                              " beside the trajectory, so without their gaze");
+    header.warnings.push_back("gaze is left out of " + counted(lost, "sample") +
+                              " beside the trajectory");
   }
   return header;
 }

@@ -148,12 +148,10 @@ class Recogniser {
     for (std::size_t side : {0, 1}) {
       EyeColumns& eye = layout_.eyes[side];
       const auto findOf = [&](std::string_view pattern) { return find(keysOf(pattern, side)); };
-      eye.x = findPosition(keysOf(kEyesAxes, side, 'x'));
-      eye.y = findPosition(keysOf(kEyesAxes, side, 'y'));
-      if (isEyeTribe(names_)) {  // SMI's "L Raw X" is the pupil in the image of a camera
-        eye.x = find(keysOf("ErawA", side, 'x'));
-        eye.y = find(keysOf("ErawA", side, 'y'));
-      }
+      // SMI's "L Raw X" is the pupil in the image of a camera.
+      const std::string_view axes = isEyeTribe(names_) ? "ErawA" : kEyesAxes;
+      eye.x = findPosition(keysOf(axes, side, 'x'));
+      eye.y = findPosition(keysOf(axes, side, 'y'));
       eye.validity = findOf(kEyesValidity);
       // In Pupil Core the right eye is number 0.
       eye.pupil_mm =
