@@ -257,6 +257,7 @@ class AutoMethod final : public Method {
   struct CheckedFrame {
     UnblurredView view;
     Defocus defocus;
+    Acuity acuity;
     float blur_px = 0.0f;
     int begin = 0;  ///< number of the first frame that squares were rendered in
     int steps = 0;  ///< frames, or parts of one, that they were rendered in
@@ -281,7 +282,8 @@ class AutoMethod final : public Method {
     const bool now = settings.quality.check != ErrorCheck::over_frames;
     const bool still = settings.quality.check == ErrorCheck::of_still;
     const auto isThis = [&](const CheckedFrame& of) {
-      return of.view == view && of.defocus == settings.defocus;
+      return of.view == view && of.defocus == settings.defocus &&
+             of.acuity == settings.quality.acuity;
     };
     ++frames_;
     measured_ = {};
@@ -332,7 +334,11 @@ class AutoMethod final : public Method {
     }
     running_ =
         std::make_unique<SpotCheck>(scene_.tree(), view.view, settings, blur_px, std::move(levels));
-    running_of_ = {.view = view, .defocus = settings.defocus, .blur_px = blur_px, .begin = frames_};
+    running_of_ = {.view = view,
+                   .defocus = settings.defocus,
+                   .acuity = settings.quality.acuity,
+                   .blur_px = blur_px,
+                   .begin = frames_};
   }
 
   LodSplats scene_;

@@ -69,12 +69,12 @@ bool hasWavefront(const RenderSettings& settings) {
   return settings.pupil.hasParts() || shownField(settings.defocus);
 }
 
-/// The resolution at which an eye in focus sees as much of an image as this acuity leaves at its
-/// sharpest place, at least the usual one.
+/// The resolution at which an eye in focus sees as much of an image as an eye of this acuity at the
+/// place that it sees best, at least the usual one.
 double seenPx_per_deg(const Acuity& acuity, const glm::ivec2& size_px) {
   if (acuity.per_px == 0.0f) return kUsualPx_per_deg;
   const glm::vec2 nearest = glm::clamp(acuity.gaze_px, glm::vec2(0.0f), glm::vec2(size_px));
-  const double sigma_px = acuity.finest_px(glm::distance(acuity.gaze_px, nearest));
+  const double sigma_px = acuity.base_px + acuity.per_px * glm::distance(acuity.gaze_px, nearest);
   return std::max(kUsualPx_per_deg, sigma_px / kEye_deg);
 }
 
@@ -158,8 +158,9 @@ Cut SpotCheck::cutOf(const Square& square) const {
                                                      maxDefocus_D(defocus, 1.0f / far_m));
     const glm::vec2 at = project(view, p), size(view.size_px);
     const float finest_px = settings.acuity.finest_px(glm::distance(at, settings.acuity.gaze_px));
-    const float reach_px =
-        margin_px + blur_px + kWidestReach * std::hypot(finest_px, focal_px * sigma_m / near_m);
+    // Aside of the axis, a length along it shows, too.
+    const float sigma_px = focal_px * sigma_m / near_m * glm::length(p) / std::abs(p.z);
+    const float reach_px = margin_px + blur_px + kWidestReach * std::hypot(finest_px, sigma_px);
     const bool outside = glm::any(glm::lessThan(at, glm::vec2(-reach_px))) ||
                          glm::any(glm::greaterThan(at, size + reach_px));
     if (p.z > -2.0f * view.near_m || !outside) seen.surfels.push_back(entry);

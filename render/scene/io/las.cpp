@@ -33,6 +33,7 @@ constexpr PointFormat kFormats[] = {{20, 0}, {28, 0},  {26, 20}, {34, 28}, {57, 
 struct LasHeader {
   std::uint64_t data_at = 0, points = 0;
   PointFormat format{};
+  bool has_classes = false;     ///< from version 1.1 on
   bool has_wide_class = false;  ///< formats 6 to 10
   std::size_t record_bytes = 0;
   glm::dvec3 scale{1.0}, offset{0.0};
@@ -103,6 +104,7 @@ LasHeader readLasHeader(const FileBytes& file) {
     throw refuse("has point format ", format, ": expected 0 to 10");
   }
   header.format = kFormats[format];
+  header.has_classes = minor > 0;
   header.has_wide_class = format >= 6;
   header.record_bytes = u16At(raw, 105);
   if (header.record_bytes < header.format.bytes) {
@@ -197,11 +199,12 @@ class LasPlaces {
 };
 
 /// Whether a point is to be left out: withheld, or noise, which is low (7) or high (18; reserved in
-/// formats 0 to 5). LAS 1.4 R15, tables 8, 9, 16 and 17.
-bool isNoise(std::span<const unsigned char> record, bool has_wide_class) {
+/// formats 0 to 5). LAS 1.4 R15, tables 8, 9, 16 and 17. In version 1.0 each user had own classes.
+bool isNoise(std::span<const unsigned char> record, const LasHeader& header) {
   constexpr unsigned kFlagsAt = 15, kWideClassAt = 16, kLow = 7, kHigh = 18, kClassBits = 31;
+  if (!header.has_classes) return false;
   const unsigned flags = record[kFlagsAt];
-  if (!has_wide_class) return (flags & 128u) != 0 || (flags & kClassBits) == kLow;
+  if (!header.has_wide_class) return (flags & 128u) != 0 || (flags & kClassBits) == kLow;
   return (flags & 4u) != 0 || record[kWideClassAt] == kLow || record[kWideClassAt] == kHigh;
 }
 
@@ -225,7 +228,7 @@ PointCloud readLas(const std::filesystem::path& path) {
   };
   std::uint64_t noise = 0;
   for (std::uint64_t i = 0; i < header.points; ++i) {
-    noise += isNoise(recordOf(i), header.has_wide_class);
+    noise += isNoise(recordOf(i), header);
   }
   const bool shows_noise = noise == header.points;  // nothing else is there
   if (noise > 0 && !shows_noise) {
@@ -233,7 +236,7 @@ PointCloud readLas(const std::filesystem::path& path) {
   }
   for (std::uint64_t i = 0; i < header.points; ++i) {
     const auto record = recordOf(i);
-    if (!shows_noise && isNoise(record, header.has_wide_class)) continue;
+    if (!shows_noise && isNoise(record, header)) continue;
     const glm::dvec3 steps(valueAt<glm::ivec3>(record, 0));
     if (!positions.append(places.placeOf(steps * header.scale + header.offset))) continue;
     intensity.push_back(u16At(record, kIntensityAt));

@@ -69,7 +69,7 @@ class MtlReader {
  private:
   void takeLine(std::string_view rest) {
     const std::string word = lowered(nextMtlWord(rest));
-    if (word == "#") linear_ |= trimmed(rest).starts_with("Blender");
+    if (word == "#") linear_ |= trimmed(rest).starts_with("Blender ");
     if (word == "newmtl") {
       file_.materials.push_back({.name = std::string(plainName(rest))});
       return;
@@ -103,7 +103,8 @@ class MtlReader {
     }
   }
 
-  /// Blender writes linear light, and most others sRGB: the format states neither.
+  /// Blender writes linear light, and most others sRGB, as did Blender3D before version 2.5: the
+  /// format states neither.
   glm::vec3 lightOf(const glm::vec3& color) const {
     return linear_ ? glm::clamp(color, 0.0f, 1.0f) : linearColor(color);
   }

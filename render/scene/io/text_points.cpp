@@ -140,10 +140,12 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   const std::vector<ColumnName> names = namesIn(line);
   int last = kNone;  // column in use
   const auto columnOf = [&](std::initializer_list<std::string_view> any) {
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (std::ranges::find(any, names[i].name) == any.end()) continue;
-      last = std::max(last, static_cast<int>(i));
-      return static_cast<int>(i);
+    for (const std::string_view name : any) {
+      const auto found = std::ranges::find(names, name, &ColumnName::name);
+      if (found == names.end()) continue;
+      const auto column = static_cast<int>(found - names.begin());
+      last = std::max(last, column);
+      return column;
     }
     return kNone;
   };
@@ -160,8 +162,8 @@ std::optional<TextColumns> columnsNamed(std::string_view line) {
   for (const int column : columns.position) {
     if (unitOf(column) != columns.unit_m) columns.unit_m.reset();
   }
-  const Three color = {columnOf({"r", "red", "rf"}), columnOf({"g", "green", "gf"}),
-                       columnOf({"b", "blue", "bf"})};
+  const Three color = {columnOf({"red", "r", "rf"}), columnOf({"green", "g", "gf"}),
+                       columnOf({"blue", "b", "bf"})};
   const Three normal = {columnOf({"nx", "normal_x"}), columnOf({"ny", "normal_y"}),
                         columnOf({"nz", "normal_z"})};
   std::size_t triples = 0;
@@ -296,13 +298,14 @@ class TextPointsReader {
   }
 
   /// Whether a line without names has row and column of a scanner, x y z with decimals, then a
-  /// colour or an intensity of whole numbers.
+  /// colour or an intensity of whole numbers. Coordinates of a map have more digits.
   bool isGridOfFaro() const {
+    constexpr std::size_t kDigits = 5;
     const bool fits = words_.size() == 8 || (words_.size() == 6 && row_[5] > 1.0);
     if (!fits || counted_) return false;
     for (std::size_t i = 0; i < words_.size(); ++i) {
       const bool whole = words_[i].find_first_not_of("0123456789") == std::string_view::npos;
-      if (whole != (i < 2 || i > 4)) return false;
+      if (whole != (i < 2 || i > 4) || (whole && words_[i].size() > kDigits)) return false;
     }
     return true;
   }

@@ -341,6 +341,22 @@ TEST_F(AutoTest, ACloneRendersTheSame) {
   EXPECT_EQ(ours.rgba, its.rgba);
 }
 
+// Squares are compared anew once the gaze has moved.
+TEST_F(AutoTest, TheErrorIsThatOfAnEyeThatLooksThere) {
+  const auto method = makeMethod("auto", cloud);
+  std::optional<double> before;
+  for (const float x_px : {20.0f, 120.0f}) {
+    RenderSettings foveated = checked(settings(20.0f), ErrorCheck::at_once);
+    foveated.quality.acuity = {.gaze_px = {x_px, 10.0f}, .base_px = 0.5f, .per_px = 0.1f};
+    Frame frame;
+    RenderStats stats = method->render(view, foveated, frame);
+    EXPECT_NE(stats.tolerance_error, before);
+    before = stats.tolerance_error;
+    renderedBy("auto", cloud, view, foveated, &stats);
+    EXPECT_EQ(stats.tolerance_error, before);
+  }
+}
+
 TEST_F(AutoTest, FoveatedIsTheSameAtTheGazeAndCheaperElsewhere) {
   RenderSettings foveated = settings(4.0f);
   foveated.quality.acuity = {.gaze_px = {64.0f, 64.0f}, .base_px = 0.5f, .per_px = 0.1f};

@@ -72,6 +72,22 @@ TEST_F(SpotCheckTest, ASharpFrameIsItsOwnTruth) {
   EXPECT_LT(*check.errorOfTruth(), 1e-4f);  // rounding of the parts' shares
 }
 
+// Nor is one of a wall beside a wide view, which depth spreads over the image.
+TEST_F(SpotCheckTest, ASharpWideFrameIsItsOwnTruth) {
+  view = squareViewOf(1280, 320.0f);
+  cloud = {};
+  for (const float side : {-1.0f, 1.0f}) {
+    addSheetOf(cloud, {.center_m = {3.0f * side, 0.0f, -2.5f},
+                       .right = {0.0f, 0.0f, side},
+                       .side_m = 4.0f,
+                       .samples = 50});
+  }
+  for (std::size_t i = 0; i < cloud.size(); i += 3) cloud.color[i] = glm::vec3(0.0f);
+  SpotCheck check = checkOf(blurredBy(0.0f, 0.0f));
+  while (!check.isDone()) check.step();
+  EXPECT_LT(*check.error(2), 0.01f);
+}
+
 // Nor is one left out that shows by the wide prefilter away from the gaze, and squares share the
 // gaze of the frame.
 TEST_F(SpotCheckTest, ASharpFrameOfAnEyeIsItsOwnTruth) {
@@ -91,6 +107,10 @@ TEST_F(SpotCheckTest, AnEyeSeesSmallerErrorsAwayFromTheGaze) {
   for (const std::size_t level : {0u, 2u}) {
     EXPECT_LT(*seen.error(level), 0.7f * *everywhere.error(level)) << level;
   }
+  const auto eye_px = static_cast<float>(kUsualPx_per_deg * kEye_deg);
+  SpotCheck sharp = checkOf(blurredBy(20.0f, 1.0f / 1.27f), {.base_px = eye_px, .per_px = 1e-9f});
+  while (!sharp.isDone()) sharp.step();
+  EXPECT_NEAR(*sharp.error(0), *everywhere.error(0), 1e-3f) << "at the gaze";
 }
 
 }  // namespace FOCI_FILE

@@ -177,6 +177,9 @@ TEST_F(Las, LeavesOutNoiseAndWithheldPoints) {
   LasFile noise{.points = kTwo};
   for (LasPoint& point : noise.points) point.flags_and_class = {7};
   EXPECT_EQ(read(noise).size(), 2u) << "of noise alone";
+  noise.points[1].flags_and_class = {2};
+  noise.minor = 0;
+  EXPECT_EQ(read(noise).size(), 2u) << "with classes of the user's own";
 }
 
 TEST_F(Las, IntensityIsGreyWhereThereAreNoColours) {

@@ -101,15 +101,16 @@ TEST_F(TextPoints, RowAndColumnOfAScannerAreNoPosition) {
   ASSERT_EQ(faro.remarks.size(), 1u);
   EXPECT_TRUE(has(faro.remarks[0], "as FARO writes them"));
   EXPECT_EQ(read("0 7 1.5 -2.0 0.25 128\n").position_m[0], glm::vec3(1.5f, -2.0f, 0.25f));
-  for (const char* other : {"1 2 0.5 0.25 0.5 1\n", "1 2 3 0.25 0.5 9.5\n", "1 2 3 9 9 9 4 5\n"}) {
+  for (const char* other : {"1 2 0.5 0.25 0.5 1\n", "1 2 3 0.25 0.5 9.5\n", "1 2 3 9 9 9 4 5\n",
+                            "1 541234 3.5 0.25 0.5 7\n"}) {
     EXPECT_EQ(read(other).position_m[0].x, 1.0f) << other;
   }
 }
 
 TEST_F(TextPoints, PlacesOfASurveyHaveTheirNames) {
-  for (const char* names :
-       {"Easting,Northing,Height", "northing_,Easting [m],Northing [m],Elevation"}) {
-    const std::string row = names[0] == 'E' ? "1,2,3\n" : "9,1,2,3\n";
+  for (const char* names : {"Easting,Northing,Height",
+                            "northing_,Easting [m],Northing [m],Elevation", "Elevation,X,Y,Z"}) {
+    const std::string row = names[1] == 'a' ? "1,2,3\n" : "9,1,2,3\n";
     EXPECT_EQ(read(names + ("\n" + row), "p.csv").position_m[0], glm::vec3(1, 2, 3)) << names;
   }
 }
