@@ -63,8 +63,8 @@ inline const glm::mat3 kLabOfCurve(0.0f, 500.0f, 0.0f, 116.0f, -500.0f, 200.0f, 
 inline constexpr float kLinearBelow = 0.008856f, kLinearSlope = 7.787f;
 
 /// CIE 1976 L*a*b* difference of each pixel, in JND.
-/// Before, both frames are blurred by a Gaussian of `kEye_deg`. White is the display's, and brighter
-/// light is clamped to it.
+/// Before, both frames are blurred by a Gaussian of `kEye_deg`. White is the display's, and
+/// brighter light is clamped to it.
 /// @param px_per_deg  resolution at the middle of the display; positive (asserted)
 /// @return row-major, one for each pixel. Both frames have the same size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
