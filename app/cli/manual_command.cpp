@@ -20,11 +20,8 @@ using ManualFile = std::pair<std::string, std::string>;
 
 /// A text for roff: `\` and `-` escaped, and no line that begins with a request.
 std::string roff(const std::string& text) {
-  std::string escaped = "\n" + replaced(replaced(text, "\\", "\\e"), "-", "\\-");
-  for (const std::string request : {".", "'"}) {
-    escaped = replaced(escaped, "\n" + request, "\n\\&" + request);
-  }
-  return escaped.substr(1);
+  const std::string escaped = "\n" + replaced(replaced(text, "\\", "\\e"), "-", "\\-");
+  return replaced(replaced(escaped, "\n.", "\n\\&."), "\n'", "\n\\&'").substr(1);
 }
 
 /// The description without its examples, and the examples.
