@@ -227,22 +227,24 @@ PointCloud readLas(const std::filesystem::path& path) {
     return file.all().subspan(header.data_at + i * header.record_bytes, header.record_bytes);
   };
   std::uint64_t noise = 0;
-  for (std::uint64_t i = 0; i < header.points; ++i) {
-    noise += isNoise(recordOf(i), header);
-  }
+  while (noise < header.points && isNoise(recordOf(noise), header)) ++noise;
   const bool shows_noise = noise == header.points;  // nothing else is there
-  if (noise > 0 && !shows_noise) {
-    points.remarks.push_back(counted(noise, "point") + " of noise, or withheld: left out");
-  }
+  noise = 0;
   for (std::uint64_t i = 0; i < header.points; ++i) {
     const auto record = recordOf(i);
-    if (!shows_noise && isNoise(record, header)) continue;
+    if (!shows_noise && isNoise(record, header)) {
+      ++noise;
+      continue;
+    }
     const glm::dvec3 steps(valueAt<glm::ivec3>(record, 0));
     if (!positions.append(places.placeOf(steps * header.scale + header.offset))) continue;
     intensity.push_back(u16At(record, kIntensityAt));
     if (!has_color) continue;
     codes.push_back(valueAt<std::array<std::uint16_t, 3>>(record, header.format.color_at));
     brightest = std::max({brightest, codes.back()[0], codes.back()[1], codes.back()[2]});
+  }
+  if (noise > 0) {
+    points.remarks.push_back(counted(noise, "point") + " of noise, or withheld: left out");
   }
   positions.finish(file.name());
   places.finish();
