@@ -86,7 +86,7 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
   Screen& screen = calibration.screen;
   const double px_per_m = screen.size_px.x / screen.size_m.x;
   if (options.distance_m) {
-    if (!(*options.distance_m >= kNearestScreen_m && *options.distance_m <= kFarthestScreen_m)) {
+    if (!isScreenDistance(*options.distance_m)) {
       throw InputError("--distance-m " + exactText(*options.distance_m), "expected 0.01 to 20 m");
     }
     screen.distance_m = *options.distance_m;

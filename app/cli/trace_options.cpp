@@ -118,7 +118,7 @@ Screen screenOf(const ScreenOptions& options) {
   }
   if (!options.distance_m.empty()) {
     const auto distance_m = parseNumber(options.distance_m);
-    if (!distance_m || *distance_m < kNearestScreen_m || *distance_m > kFarthestScreen_m) {
+    if (!distance_m || !isScreenDistance(*distance_m)) {
       throw InputError("--distance-m " + options.distance_m, "expected 0.01 to 20 m");
     }
     screen.distance_m = *distance_m;

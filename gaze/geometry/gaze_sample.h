@@ -27,6 +27,9 @@ struct Screen {
 inline constexpr double kMinIpd_mm = 40.0, kMaxIpd_mm = 80.0;
 /// Of a screen from the eye, as files, studies and options may state it; 60 is in cm.
 inline constexpr double kNearestScreen_m = 0.01, kFarthestScreen_m = 20.0;
+inline bool isScreenDistance(double distance_m) {
+  return distance_m >= kNearestScreen_m && distance_m <= kFarthestScreen_m;
+}
 
 /// Where the head is. Its frame is right-handed: x right, y up, looking along -z.
 struct HeadInWorld {

@@ -112,8 +112,7 @@ Screen BidsMetadata::screen() const {
   screen.size_px = glm::ivec2(pairIn(stimulus, "ScreenResolution", 16, 16384));
   screen.size_m = pairIn(stimulus, "ScreenSize", 0.01, 20.0);
   const double distance_m = bidsNumber(stimulus, "ScreenDistance").value_or(0.0);
-  if (distance_m >= kNearestScreen_m && distance_m <= kFarthestScreen_m)
-    screen.distance_m = distance_m;
+  if (isScreenDistance(distance_m)) screen.distance_m = distance_m;
   return screen;
 }
 

@@ -20,7 +20,6 @@ constexpr std::size_t kSettled = 3;   // so many offsets that agree are no wild 
 constexpr double kReach_s = 15.0;     // nearer than any part: three usual intervals of offsets
 constexpr double kMeasured_s = 1e-5;  // offsets are measured over a network, no better than this
 constexpr double kSigmas = 5.0;
-constexpr double kSigmaOfMad = 1.4826;       // of a normal distribution
 constexpr std::size_t kMaxForSlopes = 500;   // offsets; their pairs cost its square
 constexpr std::size_t kIntervalsInOne = 16;  // chunks of samples may share a time
 
@@ -74,7 +73,7 @@ Line fitRobustLine(const std::vector<Point>& points) {
   Line line{points.front(), slopes.empty() ? 0.0 : quantile(slopes, 0.5)};
   for (const Point& p : points) heights.push_back(p.y - line(p.x));
   line.at.y += quantile(heights, 0.5);
-  const double limit = std::max(kMeasured_s, kSigmas * kSigmaOfMad * medianDistance(points, line));
+  const double limit = std::max(kMeasured_s, kSigmas * kSigmaPerMad * medianDistance(points, line));
   std::vector<Point> near;
   for (const Point& p : points) {
     if (std::abs(p.y - line(p.x)) <= limit) near.push_back(p);
@@ -195,7 +194,7 @@ void removeJitter(std::vector<double>& times_s) {
   for (std::size_t i = 1; i < times_s.size(); ++i) {
     off_s.push_back(std::abs(times_s[i] - times_s[i - 1] - interval_s));
   }
-  const double sigma_s = kSigmaOfMad * quantile(off_s, 0.5);
+  const double sigma_s = kSigmaPerMad * quantile(off_s, 0.5);
   const double gap_s = interval_s + std::max(0.5 * interval_s, kSigmas * sigma_s);
   if (!(interval_s > 0.0)) return;
   std::vector<Stretch> stretches;
