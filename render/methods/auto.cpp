@@ -43,7 +43,8 @@ static_assert(kRelaxed * kReserve > 1.0f);
 constexpr float kInvisible_px = 0.5f, kBlurChange = 1.5f;
 
 /// Age in frames, in all and for each frame that it took, that a check is repeated at. It is no
-/// longer used at twice this age. Chosen by hand: checks take below 5 % of a run's time.
+/// longer used at twice this age. Chosen by hand, so that checks of one blur take part
+/// in at most one frame of 20.
 constexpr int kMinAge = 60, kStepAge = 20;
 
 /// The prediction over the squares' error: in the middle of 1 and 1.5, so that few predictions are

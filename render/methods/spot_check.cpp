@@ -74,7 +74,7 @@ bool hasWavefront(const RenderSettings& settings) {
 double seenPx_per_deg(const Acuity& acuity, const glm::ivec2& size_px) {
   if (acuity.per_px == 0.0f) return kUsualPx_per_deg;
   const glm::vec2 nearest = glm::clamp(acuity.gaze_px, glm::vec2(0.0f), glm::vec2(size_px));
-  const double sigma_px = acuity.base_px + acuity.per_px * glm::distance(acuity.gaze_px, nearest);
+  const float sigma_px = acuity.eye_px(glm::distance(acuity.gaze_px, nearest));
   return std::max(kUsualPx_per_deg, sigma_px / kEye_deg);
 }
 

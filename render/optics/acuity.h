@@ -14,10 +14,10 @@ struct Acuity {
   float per_px = 0.0f;
   bool operator==(const Acuity&) const = default;
 
-  /// Standard deviation of the prefilter `from_gaze_px` from the gaze.
-  float finest_px(float from_gaze_px) const {
-    return std::max(base_px + per_px * from_gaze_px, 1.0f);
-  }
+  /// Standard deviation of the eye's blur `from_gaze_px` from the gaze.
+  float eye_px(float from_gaze_px) const { return base_px + per_px * from_gaze_px; }
+  /// The same of the prefilter there.
+  float finest_px(float from_gaze_px) const { return std::max(eye_px(from_gaze_px), 1.0f); }
 };
 
 /// The eye's acuity. At e deg from the gaze its minimum angle of resolution is w = 1/48 + 0.0275 e

@@ -74,7 +74,8 @@ TEST_F(SpotCheckTest, ASharpFrameIsItsOwnTruth) {
 
 // Nor is one of a wall beside a wide view, which depth spreads over the image.
 TEST_F(SpotCheckTest, ASharpWideFrameIsItsOwnTruth) {
-  view = squareViewOf(1280, 320.0f);
+  view = squareViewOf(320, 320.0f);
+  view.principal_px.x = -400.0f;  // the right end of a view of 140 deg
   cloud = {};
   for (const float side : {-1.0f, 1.0f}) {
     addSheetOf(cloud, {.center_m = {3.0f * side, 0.0f, -2.5f},
